@@ -75,8 +75,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.user_files import writable_file, writable_folder
     from pipelines.runs.single_results import build_casing, scene_graph
     from pipelines.steps.casing import casing_warnings
-    from pipelines.studies.housings.casing_export import FORMATS, check_package, write_casing
+    from pipelines.studies.housings.casing_export import FORMATS, FREE_BODIES, check_package, free_body, write_casing
     from pipelines.studies.housings.responses import checked_names
+    from pipelines.studies.housings.superelement import housing_table
 
     if options.out and not options.response:
         raise InputError("--out is the folder of --response. Add --response, or delete --out.")
@@ -105,7 +106,8 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         yield json_text(casing_facts(casing, loaded.name))
     else:
         yield from _texts(casing, options.modes)
-    written = [path for target in targets for path in write_casing(casing, machine.title, target)]
+    exports = [write_casing(casing, machine.title, target) for target in targets]
+    written = [path for files in exports for path in files]
     if options.response:
         folder.mkdir(parents=True, exist_ok=True)
         written += _write_response(casing, options.response, loaded.name, machine.title, folder)
@@ -113,6 +115,10 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         sys.stderr.write("".join(f"{path}\n" for path in written))
     else:
         yield from map(str, written)
+        for files in exports:
+            if files[0].suffix.lower() in FREE_BODIES:
+                yield f'\nto import {files[0].name} with casing.ground = "fixed":'
+                yield housing_table(free_body(casing), files)
 
 
 def _texts(casing: Casing, count: int) -> Iterator[str]:

@@ -104,7 +104,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         return
     folder.mkdir(parents=True, exist_ok=True)
     if options.casing_mode:
-        yield from _casing_mode(graph, machine, options.casing_mode, folder, work)
+        yield from _casing_mode(graph, machine, options.casing_mode, str(folder / f"casing-{loaded.name}"), work)
         return
     outcome = work.build(graph, law_names(machine))
     pairs = pair_laws(machine, outcome.value)
@@ -192,7 +192,7 @@ def _write_casing(graph: Graph, machine: MachineModel, folder: Path, work: Work)
     yield str(folder / "casing.png")
 
 
-def _casing_mode(graph: Graph, machine: MachineModel, number: int | str, folder: Path, work: Work) -> Iterator[str]:
+def _casing_mode(graph: Graph, machine: MachineModel, number: int | str, stem: str, work: Work) -> Iterator[str]:
     from pipelines.engine.progress import reported_count
     from pipelines.io.errors import InputError
 
@@ -203,7 +203,7 @@ def _casing_mode(graph: Graph, machine: MachineModel, number: int | str, folder:
         )
     outcome = work.build(graph, ["casing", "casing modes"])
     with reported_count("pictures", quiet=work.quiet) as report:
-        written = _listed(_casing_mode_files, outcome, graph, machine.title, number, folder, report)
+        written = _listed(_casing_mode_files, outcome, graph, machine.title, number, stem, report)
     yield from written
 
 
@@ -223,7 +223,7 @@ def _casing_mode_files(
     graph: Graph,
     title: str,
     number: int | str,
-    folder: Path,
+    stem: str,
     report: Callable[[int, int], None],
 ) -> list[Path]:
     """Write picture, animation and page of a natural mode of the mounted casing, or a sheet of all modes in the band.
@@ -258,9 +258,9 @@ def _casing_mode_files(
         )
 
     if isinstance(number, int):
-        return write_mode(view(number - 1, mode_shapes(modes, natural, [number - 1])[0]), folder)
+        return write_mode(view(number - 1, mode_shapes(modes, natural, [number - 1])[0]), stem)
     limit = graph.steps["casing"].spec.limit
     inside = len(natural.frequencies) if limit is None else int((natural.frequencies <= limit / MODES_OVER_BAND).sum())
     places = range(max(inside, 1))
     views = (view(place, mode_shapes(modes, natural, [place])[0]) for place in places)
-    return write_modes(views, len(places), folder, report)
+    return write_modes(views, len(places), stem, report)

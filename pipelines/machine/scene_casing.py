@@ -62,7 +62,12 @@ def casing(scene: Scene, layout: TrainLayout, machine: MachineParts) -> tuple[Ca
         spec.name: tuple(axis for axis, k in zip(BEARING_AXES, spec.stiffness, strict=True) if k > 0.0)
         for spec in machine.bearings
     }
-    return model, replace(found, interfaces=loads, forced=forced_points(machine, found.sensors))
+    forced = forced_points(machine, found.sensors)
+    if forced and isinstance(scene.housing, MatricesHousingTable):
+        problem = "a casing-force acts on a mesh, and the housing is given by matrices"
+        remedy = "Delete the force, or set casing.housing to a shape, a CAD file or a mesh"
+        raise SceneError("scene", [Problem("forces", problem, remedy)])
+    return model, replace(found, interfaces=loads, forced=forced)
 
 
 def _shaped(table: FlexibleBase, made: Geometry) -> Structure:
@@ -192,6 +197,7 @@ def imported_matrices(
         "mass": table.mass_file,
         "nodes": table.nodes_file,
         "equations": table.equations_file,
+        "rows": table.rows_file,
     }
     found: dict[str, Any] = {what: None if name is None else str(find_file(name)) for what, name in names.items()}
     files = MatrixFiles(**found, system=table.units)

@@ -49,5 +49,5 @@ def casing_warnings(body: ReducedBody, positions: Mapping[str, tuple[float, floa
         if still := [axis for axis in "xyz" if not moving.get(f"{name}:u{axis}", True)]:
             yield (
                 f"{name} reads 0 along {' and '.join(still)}: its node has no equation for them. Add these equations "
-                "to the matrices; for an export of gearcase set a casing-force of 0 N along x, y and z"
+                "to the matrices, or set casing.housing.rows_file"
             )

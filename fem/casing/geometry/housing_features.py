@@ -38,7 +38,14 @@ class Feet:
     """
 
     x: tuple[float, ...]
-    length: float = option(0.060, unit="mm", key="foot_length_mm", gt=0, le=LARGEST, text="side of the square feet")
+    length: float = option(
+        0.060,
+        unit="mm",
+        key="foot_length_mm",
+        gt=0,
+        le=LARGEST,
+        text="side of the feet along x; along y they reach as far below the floor, and foot_overhang_mm beyond the wall",
+    )
     height: float = option(
         0.015, unit="mm", key="foot_height_mm", gt=0, le=LARGEST, text="height of the feet below the floor"
     )

@@ -40,6 +40,8 @@ class ImportedBody:
     axis: np.ndarray  # int (n,), 0..5 for ux uy uz rx ry rz, MODAL
     numbers: np.ndarray  # int (k,), of the nodes
     places: np.ndarray  # (k, 3), m; nan where no file gives them
+    passive: np.ndarray  # int (p,), indices in `numbers` of nodes without equations whose motion `rows` gives
+    rows: sp.csr_matrix  # (3 p, n), their displacements along x, y, z
     dropped: int = 0  # equations without stiffness and mass that were left out
     notes: tuple[str, ...] = ()  # matrices of the file that are not used
 
@@ -71,6 +73,7 @@ def imported_body(
     equations: np.ndarray | None = None,
     nodes: np.ndarray | None = None,
     frames: np.ndarray | None = None,
+    rows: sp.spmatrix | None = None,
     system: str = "kg-m-s",
 ) -> ImportedBody:
     """An imported body from the data of its files.
@@ -82,6 +85,7 @@ def imported_body(
     equations : int (n, 2), node and axis (1 to 6, 0 modal) of each; by default three or six per node, in node order
     nodes : (k, 4), number and position; or (k, 3), numbered from 1
     frames : (k, 3, 3), F with u = F u_node, of nodes whose equations are not written along x, y and z
+    rows : (3 p or more, n), displacements of the p nodes without equations; not used if there are fewer
     system : one of `SYSTEMS`
 
     Raises
@@ -106,9 +110,14 @@ def imported_body(
         raise MatrixError(
             f"{name}: equations belong to nodes without coordinates: {_some(unknown)}. Give a file of all nodes"
         )
+    passive = np.flatnonzero(~np.isin(numbers, node[axis != MODAL]))
+    if rows is None or rows.shape[0] < 3 * len(passive) or rows.shape[1] != len(node):
+        passive, rows = passive[:0], sp.csr_matrix((0, len(node)))
+    rows = sp.csr_matrix(rows)[: 3 * len(passive)]
     if frames is not None:
         turn = _turned(name, node, axis, numbers, frames)
         K, M = (sp.csr_matrix(turn @ A @ turn.T) for A in (K, M))
+        rows = rows @ turn.T
     scale = sp.diags_array(np.where((axis >= 0) & (axis < 3), 1.0 / length, 1.0))
     energy = unit_mass * length**2
     used = (abs(K).sum(axis=1) + abs(M).sum(axis=1) > 0.0).ravel()
@@ -121,6 +130,8 @@ def imported_body(
         axis=axis[keep],
         numbers=numbers,
         places=length * places,
+        passive=passive,
+        rows=sp.csr_matrix(length * (rows @ scale))[:, keep],
         dropped=K.shape[0] - len(keep),
     )
 

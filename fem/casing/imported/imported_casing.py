@@ -43,7 +43,7 @@ class ImportedMatrices:
 def file_digests(files: MatrixFiles) -> tuple[str, ...]:
     """SHA-256 of every file of a body. ForeignError if one is missing."""
     found = []
-    for name in (files.stiffness, files.mass, files.nodes, files.equations):
+    for name in (files.stiffness, files.mass, files.nodes, files.equations, files.rows):
         if name is None:
             continue
         try:
@@ -76,6 +76,18 @@ def imported_casing(
     ------
     ForeignError : files, nodes or the body cannot be used; the message lists the errors of the check-up
     """
+    body, check = checked_body(housing)
+    points = {name: Point(nodes=nodes, axes=GROUND_AXES) for name, nodes in _feet(housing) if ground == "springs"}
+    for name, nodes, wanted in housing.seats:
+        points[name] = Point(nodes=nodes, place=wanted, axes=tuple(interfaces[name]), coupling=attachment)
+    feet = tuple(name for name, _ in _feet(housing))
+    held = [] if ground == "springs" else sorted({number for nodes in housing.grounds for number in nodes})
+    reduced = reduce_imported_body(body, points, held=held, sprung=feet if ground == "springs" else (), band=limit)
+    return _modes(housing, reduced, check, model, ground, attachment, limit), _check_up(reduced, check)
+
+
+def checked_body(housing: ImportedMatrices) -> tuple[ImportedBody, MatrixCheck]:
+    """The imported body in the frame of the scene, and its check-up without errors; raises as `imported_casing`."""
     if file_digests(housing.files) != housing.files.digests:
         raise MatrixError(f"{housing.files.stiffness} was changed while the scene was being built; run again")
     body = read_body(housing.files)
@@ -85,14 +97,12 @@ def imported_casing(
         raise MatrixError(f"{body.name} holds no node coordinates; set nodes_file")
     if check.wrong:
         raise MatrixError(f"{body.name}: {'; '.join(check.wrong)}")
-    points = {name: Point(nodes=nodes, axes=GROUND_AXES) for name, nodes in _feet(housing) if ground == "springs"}
     for name, nodes, wanted in housing.seats:
         _check_place(body, name, nodes, wanted)
-        points[name] = Point(nodes=nodes, place=wanted, axes=tuple(interfaces[name]), coupling=attachment)
-    feet = tuple(name for name, _ in _feet(housing))
-    held = [] if ground == "springs" else sorted({number for nodes in housing.grounds for number in nodes})
-    reduced = reduce_imported_body(body, points, held=held, sprung=feet if ground == "springs" else (), band=limit)
-    return _modes(housing, reduced, check, model, ground, attachment, limit), _check_up(reduced, check)
+    for _, nodes in _feet(housing):
+        for number in nodes:
+            body.place(number)
+    return body, check
 
 
 def _feet(housing: ImportedMatrices) -> list[tuple[str, tuple[int, ...]]]:
@@ -127,6 +137,7 @@ def _modes(
     nodal = np.zeros((len(body.numbers), 3, basis.shape[1]), np.float32)
     moving, where = body.displacements
     nodal[where, body.axis[moving]] = basis[moving]
+    nodal[body.passive] = (body.rows @ basis).reshape(-1, *nodal.shape[1:])
     places = dict(reduced.places)
     for name, nodes in _feet(housing):
         places.setdefault(name, np.mean([body.place(number) for number in nodes], axis=0))

@@ -47,8 +47,7 @@ _STIFFNESS, _MASS = (
 
 _UNUSED = {  # matrices that are not read, and the remedy
     **dict.fromkeys(("damping", "baa", "baax"), "Set casing.damping_ratio in the scene instead."),
-    "rows": "Each sensor measures at the nearest node: add a node at each sensor, in an export of gearcase by a "
-    "casing-force of 0 N along x, y and z.",
+    "rows": "It must hold three rows, x, y and z, for every node without equations. Export the casing again.",
 }
 
 
@@ -69,6 +68,7 @@ class MatrixFiles:
     mass: str | None = None
     nodes: str | None = None  # rows of number, x, y, z; GRID cards of Nastran; or *NODE of Abaqus
     equations: str | None = None  # rows of node, axis; or a Nastran file with EXTRN cards
+    rows: str | None = None  # matrix of the motion of nodes without equations
     system: str = "kg-m-s"
     digests: tuple[str, ...] = field(default=())  # of the files, in this order
 
@@ -86,6 +86,9 @@ def read_body(files: MatrixFiles) -> ImportedBody:
     given = files.nodes or (files.stiffness if _holds_grid(path) else None)
     nodes, frames = (first.nodes, None) if given is None else _nodes(Path(given))
     equations = first.equations if files.equations is None else _equations(Path(files.equations))
+    rows = first.matrices.get("rows")
+    if files.rows is not None:
+        rows = _chosen(Path(files.rows), read_matrices(Path(files.rows)), ("rows",), "rows", alone=True)
     body = imported_body(
         path.name,
         _chosen(path, first, _STIFFNESS, "stiffness", alone=files.mass is not None),
@@ -93,10 +96,14 @@ def read_body(files: MatrixFiles) -> ImportedBody:
         equations=equations,
         nodes=nodes,
         frames=frames,
+        rows=rows,
         system=files.system,
     )
-    unused = sorted(_UNUSED.keys() & {*first.matrices, *second.matrices})
-    return replace(body, notes=tuple(f"{path.name}: the matrix {name} is not used. {_UNUSED[name]}" for name in unused))
+    unused = _UNUSED.keys() & {*first.matrices, *second.matrices, *([] if rows is None else ["rows"])}
+    if len(body.passive):
+        unused -= {"rows"}
+    notes = (f"{path.name}: the matrix {name} is not used. {_UNUSED[name]}" for name in sorted(unused))
+    return replace(body, notes=tuple(notes))
 
 
 def read_matrices(path: Path) -> Found:
@@ -229,8 +236,9 @@ def _sound(matrix: Any) -> Any:
 
 
 def _of_arrays(arrays: Mapping[str, Any]) -> Found:
-    square = {n: sp.csr_matrix(a) for n, a in arrays.items() if n not in ("nodes", "equations") and np.ndim(a) == 2}
-    return Found(square, arrays.get("equations"), arrays.get("nodes"))
+    lists = ("nodes", "equations")
+    tables = {n: sp.csr_matrix(a) for n, a in arrays.items() if n not in lists and np.ndim(a) == 2 and a.shape[0]}
+    return Found(tables, arrays.get("equations"), arrays.get("nodes"))
 
 
 def _nodes(path: Path) -> tuple[np.ndarray, np.ndarray | None]:

@@ -29,6 +29,8 @@ def output4(path: Path) -> dict[str, sp.csr_matrix]:
 def punched(path: Path) -> tuple[dict[str, sp.coo_matrix], np.ndarray]:
     """Square matrices of DMIG cards by their names in lower case, and node and axis (n, 2) of their equations.
 
+    ROWSX (row, n) of an export of gearcase is found as `rows`.
+
     Raises
     ------
     ForeignError : no square matrix
@@ -40,13 +42,11 @@ def punched(path: Path) -> tuple[dict[str, sp.coo_matrix], np.ndarray]:
     if not square:
         raise MatrixError(f"{path.name} holds no square DMIG matrix; export KAAX and MAAX (PARAM,EXTOUT,DMIGPCH)")
     every = sorted(set().union(*(set(table.index) for table in square.values())))
-    place = {label: number for number, label in enumerate(every)}
-    matrices = {}
-    for name, table in square.items():
-        where = np.array([place[label] for label in table.index])
-        values = sp.coo_matrix(table.to_numpy())
-        shape = (len(every), len(every))
-        matrices[name] = sp.coo_matrix((values.data, (where[values.row], where[values.col])), shape=shape)
+    rows = {"rows": tables["rowsx"]} if "rowsx" in tables else {}
+    matrices = {
+        name: sp.coo_matrix(table.reindex(index=None if name in rows else every, columns=every, fill_value=0.0))
+        for name, table in (square | rows).items()
+    }
     return matrices, np.array(every, int).reshape(-1, 2)
 
 

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from fem.casing.parts.casing_choices import Attachment, Ground
     from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.checkup import CheckUp
-    from fem.casing.reduced.grounded import ForcedPoint
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +26,6 @@ class MatricesReduction(Stage):
     housing: ImportedMatrices
     model: str
     interfaces: Mapping[str, Sequence[str]]
-    forced: tuple[ForcedPoint, ...]
     ground: Ground
     attachment: Attachment
     limit: float | None
@@ -45,12 +43,8 @@ class MatricesReduction(Stage):
         from fem.casing.reduced.reduction import ReductionError
         from fem.numerics.linear_solver import SingularMatrixError
 
-        if self.forced:
-            raise CasingInputError(
-                "excitations of the model casing-force need a meshed casing, not matrices. Leave them out."
-            )
         try:
-            return imported_casing(**{key: value for key, value in vars(self).items() if key != "forced"})
+            return imported_casing(**vars(self))
         except MatrixError as error:
             raise CasingInputError(str(error)) from error
         except (ReductionError, SingularMatrixError) as error:
@@ -81,11 +75,11 @@ class MatricesCasing(CasingModel):
 
     def stages(self, structure: Structure) -> tuple[PlannedStage, ...]:
         """Modes and body."""
+        assert not structure.forced, "external forces act on a mesh"
         modes = MatricesReduction(
             housing=structure.bare,
             model=self.of.model,
             interfaces=structure.interfaces or {},
-            forced=structure.forced,
             ground=self.of.ground,
             attachment=self.of.attachment,
             limit=self.limit,

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from fem.casing.mesh.sizes import Sizes
     from fem.casing.uncertainty.extrapolation import LowestModes
 
+_SMALLER = (1.0, 0.97, 0.94, 0.91)  # factors of the size of a coarser mesh, tried in turn
+
 
 @dataclass(frozen=True, kw_only=True)
 class Meshing(Stage):
@@ -47,20 +49,27 @@ class Meshing(Stage):
 
 @dataclass(frozen=True, kw_only=True)
 class CoarserMeshing(Meshing):
-    """A coarser mesh for the error estimate of a finer one."""
+    """A coarser mesh for the error estimate of a finer one.
+
+    The mesher fails with single sizes: with 1 of 51 sizes between 15 and 48 mm on a box with bores. If it fails, the
+    elements are made smaller; the extrapolation takes their actual size.
+    """
 
     def build(self) -> CasingMesh:
-        """The mesh. CasingError if elements of this size form no valid mesh."""
+        """The mesh. CasingError if none of the sizes forms a valid mesh."""
         from fem.casing.mesh.mesh import MeshError
 
-        try:
-            return super().build()
-        except MeshError as error:
-            raise CasingError(
-                "casing: its error is estimated with a coarser mesh of "
-                f"{1000 * self.sizes.element:.3g} mm, which fails: {error}; or "
-                "delete casing.extrapolated and casing.error from the scene"
-            ) from error
+        for factor in _SMALLER:
+            try:
+                return self.with_sizes(self.sizes.times(factor))
+            except MeshError as error:
+                failed = error
+        raise CasingError(
+            "casing: its error is estimated with a coarser mesh of "
+            f"{1000 * self.sizes.element:.3g} mm or slightly less, which fails: {failed}. Set another "
+            "casing.element_size_mm, or casing.extrapolated = false without casing.error (with --set they override a "
+            "--preset)"
+        ) from failed
 
 
 @dataclass(frozen=True, kw_only=True)

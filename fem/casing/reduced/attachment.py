@@ -75,10 +75,7 @@ def nearest_surface_point(
     what, remedy = "point of the surface", "Move the sensor"
     if not len(facets):
         what = "node"
-        remedy += (
-            ", or add a node at its place to the matrices; for an export of gearcase set a casing-force of 0 N there "
-            "along x, y and z"
-        )
+        remedy += ", or add a node at its place to the matrices (an export of gearcase has one at each sensor)"
         facets = np.arange(len(nodes))[:, None]
         values = np.ones((len(nodes), 1))
     else:

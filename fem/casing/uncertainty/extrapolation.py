@@ -176,7 +176,7 @@ def limits_from(
         else:
             limits = extrapolation_of(coarser[0].element)((1.0, *ratios), np.array(rows))
     except LimitError as error:
-        raise ExtrapolationError(f"casing: {error}; or leave casing.extrapolated out") from error
+        raise ExtrapolationError(f"casing: {error}; or set casing.extrapolated = false") from error
     changes = np.nanmean(np.array(rows[1:]) / frequencies, axis=1) - 1.0
     largest = int(changes.argmax())
     if not 0.0 <= changes[largest] <= LARGEST:
@@ -184,7 +184,7 @@ def limits_from(
         raise ExtrapolationError(
             f"casing: {others} change the first {len(frequencies)} frequencies by "
             f"{100 * changes[largest]:+.2g} % (0 to {100 * LARGEST:g} % can be extrapolated). Use a smaller "
-            "casing.element_size_mm, or leave casing.extrapolated out"
+            "casing.element_size_mm, or set casing.extrapolated = false"
         )
     return limits
 

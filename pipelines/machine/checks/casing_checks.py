@@ -5,7 +5,8 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -39,6 +40,8 @@ def bad_casing(scene: Scene, machine: MachineModel) -> Iterator[Problem]:
     made, table = machine.structure.housing, scene.casing
     if made is not None and getattr(table, "ground", "") == "springs":
         yield from _bad_mounts(scene, made)
+    if scene.housing.model == "matrices":
+        yield from _bad_matrices(scene, made)
     if isinstance(made, ImportedHousing):
         misplaced = list(_misplaced_seats(scene, made))
         yield from misplaced or _seats_in_file(scene, machine.layout, made)
@@ -66,6 +69,35 @@ def bad_casing(scene: Scene, machine: MachineModel) -> Iterator[Problem]:
             f"Set {1000 * least:.2g} or more{OR_BAND}",
             f"{table.element_size_mm:g}",
         )
+
+
+def _bad_matrices(scene: Scene, made: Any) -> Iterator[Problem]:
+    """Matrices that cannot be used, wrong nodes of bearings and feet, and sensors far from all nodes."""
+    places = _places_of_matrices(made)
+    if isinstance(places, HousingError):
+        yield Problem("casing.housing.file", str(places), "", f'"{scene.housing.file}"')
+        return
+    from fem.casing.reduced.attachment import AttachmentError, nearest_surface_point
+
+    for number, sensor in enumerate(made.sensors if len(places) else (), 1):
+        try:
+            nearest_surface_point(places, np.zeros((0, 3), int), np.array(sensor.position))
+        except AttachmentError as error:
+            yield Problem(f"sensors.{number}.position_mm", str(error))
+
+
+@functools.lru_cache(maxsize=8)
+def _places_of_matrices(made: ImportedMatrices) -> np.ndarray | HousingError:
+    """Places (k, 3) in m of the nodes of imported matrices; empty if the files cannot be read quickly."""
+    from fem.casing.imported.imported_body import MatrixError
+    from fem.casing.imported.imported_casing import checked_body
+
+    if Path(made.files.stiffness).stat().st_size > LARGEST_LOOK:
+        return np.zeros((0, 3))
+    try:
+        return checked_body(made)[0].places
+    except MatrixError as error:
+        return error
 
 
 def _bad_mounts(scene: Scene, made: Geometry | ImportedMatrices) -> Iterator[Problem]:

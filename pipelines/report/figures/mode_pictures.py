@@ -40,13 +40,12 @@ class ModeView:
     shape: np.ndarray  # (n, 3)
 
 
-def write_mode(view: ModeView, folder: Path) -> list[Path]:
-    """casing_mode_<n>.png, .gif and .html in a folder."""
+def write_mode(view: ModeView, stem: str) -> list[Path]:
+    """<stem>-mode_<n>.png, .gif and .html."""
     pictures = render_mode(*_surface(view), FRAMES)
     size = np.ptp(view.nodes, axis=0)
     frames = [png(mode_figure(view, picture, size)) for picture in pictures]
-    stem = folder / f"casing_mode_{view.number}"
-    still, film, page = (stem.with_suffix(ending) for ending in (".png", ".gif", ".html"))
+    still, film, page = (Path(f"{stem}-mode_{view.number}{ending}") for ending in (".png", ".gif", ".html"))
     write_whole(still, frames[FRAMES // 4])  # the largest deflection
     write_gif(frames, film, _MILLISECONDS)
     title = f"{view.title}: mode {view.number}, {view.frequency:.1f} Hz"
@@ -56,14 +55,14 @@ def write_mode(view: ModeView, folder: Path) -> list[Path]:
 
 
 def write_modes(
-    views: Iterable[ModeView], count: int, folder: Path, on_progress: Callable[[int, int], None]
+    views: Iterable[ModeView], count: int, stem: str, on_progress: Callable[[int, int], None]
 ) -> list[Path]:
-    """casing_modes.png with a still of every mode, or casing_modes_<n>.png of `ON_A_SHEET` each.
+    """<stem>-modes.png with a still of every mode, or <stem>-modes_<n>.png of `ON_A_SHEET` each.
 
     Parameters
     ----------
     views, count : the modes and their number
-    folder : of the files
+    stem : begin of the names of the files, with their folder
     on_progress : called with the number of finished stills and that of all
     """
     written: list[Path] = []
@@ -74,7 +73,7 @@ def write_modes(
             stills.append(render_mode(*_surface(view), STILL, (560, 400))[STILL // 4])
             on_progress(ON_A_SHEET * len(written) + len(stills), count)
         number = f"_{len(written) + 1}" if count > ON_A_SHEET else ""
-        written.append(folder / f"casing_modes{number}.png")
+        written.append(Path(f"{stem}-modes{number}.png"))
         write_whole(written[-1], png(sheet_figure(sheet, stills), dpi=100))
     return written
 

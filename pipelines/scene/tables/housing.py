@@ -239,6 +239,13 @@ class MatricesHousingTable(Table):
             "EXTRN cards; without it: 3 or 6 equations per node"
         ),
     ] = None
+    rows_file: Annotated[
+        str | None,
+        Field(
+            description="file of the displacements of nodes without equations, such as sensors: three rows, x, y, z, "
+            "for each, times the coordinates; .npz, .op4 and .pch of gearcase hold them"
+        ),
+    ] = None
     units: Annotated[
         Literal["kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s"],
         Field(description="units of mass, length and time of the file; lbf-in-s: units of force, length and time"),

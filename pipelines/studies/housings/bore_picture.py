@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
 MOST_LABELS = 60
 _HEIGHT = 25.0  # deg above the horizon
+_FAR = 0.5  # brightness of the farthest triangle, of that of the nearest
 _LIGHT = np.array([0.35, -0.75, 0.56])
+_LABEL = {"facecolor": "white", "alpha": 0.7, "linewidth": 0.0, "pad": 1.0}
 _WALL, _SEAT, _OTHER = "#b9c2cc", "#c0392b", "#1f4e79"
 
 
@@ -44,7 +46,7 @@ def housing_picture(contents: GeometryContents, seats: dict[int, str]) -> Figure
                 continue
             hidden.discard(bore.number)
             x, y, z = 1000 * end
-            axes.text(x, y, z, name, color=colour, fontsize=8, ha="center", zorder=10)
+            axes.text(x, y, z, name, color=colour, fontsize=8, ha="center", zorder=10, bbox=_LABEL)
     title = f"{contents.name}: bores by number, the widest first (mm)"
     if hidden:
         title += "\n" + textwrap.fill(f"not visible from these sides: {', '.join(map(str, sorted(hidden)))}", 140)
@@ -80,6 +82,8 @@ def _draw(axes: object, contents: GeometryContents, azimuth: float) -> None:
     turn = np.radians(azimuth + 60.0)
     light = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]]) @ _LIGHT
     bright = 0.45 + 0.55 * np.clip(normal @ light, 0.0, 1.0)
+    depth = corners.mean(axis=1) @ _eye(azimuth)
+    bright *= np.interp(depth, (depth.min(), depth.max()), (_FAR, 1.0))  # or a bore looks closed by the far wall
     colours = np.outer(bright, to_rgb(_WALL))
     axes.add_collection3d(Poly3DCollection(corners, facecolors=colours, edgecolors=colours, linewidths=0.1))  # type: ignore[attr-defined]
     low, high = 1000 * contents.box

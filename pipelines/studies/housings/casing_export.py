@@ -275,13 +275,16 @@ def _free(
     )
 
 
-FORMATS: Mapping[str, CasingFormat] = {
-    ".h5": CasingFormat(write=lambda casing, title, path, target: casing.body.save(path)),
-    ".mat": CasingFormat(write=lambda casing, title, path, target: write_mat(casing.body, path)),
+FREE_BODIES: Mapping[str, CasingFormat] = {
     ".npz": _free(write_npz),
     ".mtx": _free(write_matrix_market),
     ".op4": _free(write_output4, ("pyyeti", "nastran")),
     ".pch": _free(write_punch, ("pyyeti", "nastran")),
+}
+FORMATS: Mapping[str, CasingFormat] = {
+    ".h5": CasingFormat(write=lambda casing, title, path, target: casing.body.save(path)),
+    ".mat": CasingFormat(write=lambda casing, title, path, target: write_mat(casing.body, path)),
+    **FREE_BODIES,
     ".uff": CasingFormat(
         write=lambda casing, title, path, target: write_uff(casing.body, path, title=title, band=casing.band),
         needs=("pyuff", "uff"),

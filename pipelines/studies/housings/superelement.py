@@ -11,7 +11,7 @@ the feet are part of the stiffness. The body is held where g is held.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
@@ -33,13 +33,17 @@ class Superelement:
     damping: np.ndarray  # (n, n)
     equations: np.ndarray  # int (n, 2), node and axis 1 to 6; axis 0: modal coordinate, whose node is a scalar point
     node_names: tuple[str, ...]
-    nodes: np.ndarray  # (k, 4), number and place in m
+    nodes: np.ndarray  # (k, 4), number and place in m; sensors are nodes without equations
     row_names: tuple[str, ...]
-    rows: np.ndarray  # (row, n), absolute motion of the sensors
+    rows: np.ndarray  # (row, n), absolute x, y, z of the sensors without equations, by node; then axes of forced ones
 
     def files(self) -> Mapping[str, np.ndarray]:
         """Matrices by the names that Nastran gives them."""
         return {"KAA": self.stiffness, "MAA": self.mass, "BAA": self.damping}
+
+    def sensor_rows(self, name: str) -> dict[str, np.ndarray]:
+        """The rows by a name; empty without sensors."""
+        return {name: self.rows} if len(self.rows) else {}
 
 
 def superelement(
@@ -56,13 +60,15 @@ def superelement(
     size, interface = len(body.mass), [name for name in body.coordinate_names if ":" in name]
     places = dict(zip(body.point_names, body.point_positions, strict=True))
     points = list(dict.fromkeys(name.split(":")[0] for name in interface))
+    others = [name for name in body.row_names if name not in interface]
+    sensors = [name for name in dict.fromkeys(name.split(":")[0] for name in others) if name not in points]
     by_ground = np.zeros((size, 6))
     numbers = np.zeros((size + 6, 2), int)
     for place, name in enumerate(interface):
         point, axis = name.split(":")
         by_ground[place] = _rigid(places[point] - centre)[_AXES.index(axis)]
         numbers[place] = points.index(point) + 1, _AXES.index(axis) + 1
-    ground = len(points) + 1
+    ground = len(points) + len(sensors) + 1
     numbers[len(interface) : size, 0] = ground + 1 + np.arange(size - len(interface))
     numbers[size:] = np.column_stack([np.full(6, ground), np.arange(1, 7)])
     relative = np.hstack([np.eye(size), -by_ground])  # q from (q_absolute, g)
@@ -70,22 +76,48 @@ def superelement(
     whole = np.zeros((6, 6))
     whole[:3, :3], whole[3:, 3:] = mass * np.eye(3), inertia
     inertial = np.block([[body.mass, participation], [participation.T, whole]])
-    sensors = [name for name in body.row_names if name not in interface]
-    rows = np.zeros((len(sensors), size + 6))
-    for row, name in zip(rows, sensors, strict=True):
+    row_names = [f"{name}:{axis}" for name in sensors for axis in _AXES[:3]]
+    row_names += [name for name in others if name not in row_names]
+    rows = np.zeros((len(row_names), size + 6))
+    for row, name in zip(rows, row_names, strict=True):
         shift = body.row_shifts[body.row_names.index(name)]
         row[:] = body.row(name) @ relative
         row[size:] += shift @ _rigid(places[name.split(":")[0]] - centre)[:3]
-    located = np.array([*(places[point] for point in points), centre])
+    for first in range(0, 3 * len(sensors), 3):  # from the axes of a sensor to those of the scene
+        own = slice(first, first + 3)
+        rows[own] = body.row_shifts[[body.row_names.index(name) for name in row_names[own]]].T @ rows[own]
+    located = np.array([*(places[point] for point in (*points, *sensors)), centre])
     return Superelement(
         stiffness=_symmetric(relative.T @ body.stiffness @ relative),
         mass=_symmetric(both.T @ inertial @ both),
         damping=_symmetric(relative.T @ body.damping @ relative),
         equations=numbers,
-        node_names=(*points, "ground"),
+        node_names=(*points, *sensors, "ground"),
         nodes=np.column_stack([np.arange(1, ground + 1), located]),
-        row_names=tuple(sensors),
+        row_names=tuple(row_names),
         rows=rows,
+    )
+
+
+def housing_table(found: Superelement, written: Sequence[Path]) -> str:
+    """The table [casing.housing] that imports an export from its files."""
+    names = [f"{path.stem.removeprefix(f'{written[0].stem}-')}_file" for path in written[1:]]
+    files = {"file": written[0], **dict(zip(names, written[1:], strict=True))}
+    bearings = ", ".join(
+        f'{{ name = "{name}", nodes = [{number}] }}'
+        for number, name in enumerate(found.node_names, 1)
+        if name.startswith("bearing_")
+    )
+    lines = [f'{key} = "{path.name}"' for key, path in files.items() if key != "damping_file"]
+    return "\n".join(
+        [
+            "[casing.housing]",
+            'model = "matrices"',
+            *lines,
+            'units = "kg-m-s"',
+            f"bearings = [{bearings}]",
+            f"grounds = [{{ nodes = [{len(found.nodes)}] }}]",
+        ]
     )
 
 
@@ -118,15 +150,15 @@ def write_npz(found: Superelement, path: Path, target: Path) -> None:
 
 
 def write_matrix_market(found: Superelement, path: Path, target: Path) -> list[Path]:
-    """The stiffness; mass, damping, nodes and equations in files of their names next to it."""
+    """The stiffness; mass, damping, rows, nodes and equations in files of their names next to it."""
     from scipy.io import mmwrite
 
     def written(matrix: np.ndarray, file: Path) -> None:
         with file.open("wb") as stream:
-            mmwrite(stream, matrix, precision=17, symmetry="symmetric")
+            mmwrite(stream, matrix, precision=17)
 
     written(found.stiffness, path)
-    others = {"mass": found.mass, "damping": found.damping}
+    others = {"mass": found.mass, "damping": found.damping} | found.sensor_rows("rows")
     further = [target.with_name(f"{target.stem}-{name}.mtx") for name in others]
     for file, matrix in zip(further, others.values(), strict=True):
         with whole_file(file) as partial:
@@ -138,22 +170,28 @@ def write_output4(found: Superelement, path: Path, target: Path) -> list[Path]:
     """KAA, MAA, BAA and ROWS in binary; nodes and equations in files next to it."""
     from pyyeti.nastran import op4
 
-    op4.write(str(path), {**found.files(), **({"ROWS": found.rows} if len(found.rows) else {})})
+    op4.write(str(path), {**found.files(), **found.sensor_rows("ROWS")})
     return _write_map(found, target)
 
 
 def write_punch(found: Superelement, path: Path, target: Path) -> None:
-    """GRID and SPOINT cards, then KAAX, MAAX and BAAX as DMIG."""
+    """GRID and SPOINT cards, then KAAX, MAAX, BAAX and the motion ROWSX of the sensors as DMIG."""
     import pandas as pd
     from pyyeti.nastran import bulk
 
-    index = pd.MultiIndex.from_arrays(found.equations.T, names=["id", "dof"])
+    names = ["id", "dof"]
+    index = pd.MultiIndex.from_arrays(found.equations.T, names=names)
+    sensors = sorted({*found.nodes[:, 0].astype(int)} - {*found.equations[:, 0]})
+    matrices = {f"{name}X": pd.DataFrame(A, index=index, columns=index) for name, A in found.files().items()}
+    if sensors:
+        rows = pd.MultiIndex.from_product([sensors, (1, 2, 3)], names=names)
+        matrices["ROWSX"] = pd.DataFrame(found.rows[: len(rows)], index=rows, columns=index)
     with path.open("w", encoding="ascii") as file:
         for name, (number, x, y, z) in zip(found.node_names, found.nodes, strict=True):
             file.write(f"$ {name}\nGRID*   {int(number):16d}{0:16d}{x:16.9E}{y:16.9E}*\n*       {z:16.9E}{0:16d}\n")
         for number in found.equations[found.equations[:, 1] == 0, 0]:
             file.write(f"SPOINT  {int(number):8d}\n")
-        bulk.wtdmig(file, {f"{n}X": pd.DataFrame(A, index=index, columns=index) for n, A in found.files().items()})
+        bulk.wtdmig(file, matrices)
 
 
 def _write_map(found: Superelement, target: Path) -> list[Path]:

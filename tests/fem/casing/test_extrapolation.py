@@ -13,7 +13,10 @@ from housings import angle_casing, short_housing
 
 from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.gmsh_mesh import mesh_housing
+from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import Sizes
+from fem.casing.models.meshing import Meshing
+from fem.casing.models.stage import CasingError
 from fem.casing.reduced.casing_modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.reduction import reduce_body
@@ -93,6 +96,30 @@ def same_shapes(modes, *factors):
         )
         for ratio, factor in zip(RATIOS, factors, strict=True)
     ]
+
+
+@pytest.mark.parametrize(("largest", "factor"), [(1.0, 1.0), (0.98, 0.97), (0.92, 0.91)])
+def test_a_coarser_mesh_has_slightly_smaller_elements_where_the_mesher_fails(monkeypatch, largest, factor):
+    fine = Meshing(housing=short_housing(), sizes=Sizes(element=0.036, bore=0.036), element="tetrahedron-10")
+    coarser = next(fine.coarser())
+
+    def failing(housing, sizes, element):
+        if sizes.element > largest * coarser.sizes.element * (1 + 1e-9):
+            raise MeshError("HXT 3D mesh failed")
+        return sizes
+
+    monkeypatch.setattr("fem.casing.mesh.choose_mesher.mesh_geometry", failing)
+    assert coarser.build().element == pytest.approx(factor * RATIOS[0] * 0.036)
+
+
+def test_a_coarser_mesh_that_no_size_gives_is_refused_with_keys_that_override_a_preset(monkeypatch):
+    def failing(housing, sizes, element):
+        raise MeshError("HXT 3D mesh failed")
+
+    fine = Meshing(housing=short_housing(), sizes=Sizes(element=0.036), element="tetrahedron-10")
+    monkeypatch.setattr("fem.casing.mesh.choose_mesher.mesh_geometry", failing)
+    with pytest.raises(CasingError, match=r"46.8 mm.*HXT 3D mesh failed.*casing.extrapolated = false.*--set"):
+        next(fine.coarser()).build()
 
 
 @pytest.mark.parametrize("share", [0.2, 0.6, 0.95])

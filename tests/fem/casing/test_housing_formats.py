@@ -310,7 +310,7 @@ def test_matrices_in_another_system_of_units_have_the_same_frequencies_and_mass(
 
 
 def test_every_file_of_a_scene_is_read_for_what_it_is_named_for(tmp_path):
-    names = ("file", "mass_file", "nodes_file", "equations_file")
+    names = ("file", "mass_file", "nodes_file", "equations_file", "rows_file")
     for name in names:
         (tmp_path / name).write_text(name, encoding="utf-8")
     table = MatricesHousingTable(
@@ -320,7 +320,8 @@ def test_every_file_of_a_scene_is_read_for_what_it_is_named_for(tmp_path):
         grounds=({"nodes": [2]},),
     )
     files = imported_matrices(table, (), [(0.0, 0.0, 0.0)]).files
-    assert [files.stiffness, files.mass, files.nodes, files.equations] == [str(tmp_path / name) for name in names]
+    found = [files.stiffness, files.mass, files.nodes, files.equations, files.rows]
+    assert found == [str(tmp_path / name) for name in names]
 
 
 def test_harwell_boeing_files_that_are_cut_off_or_of_another_kind_are_refused(tmp_path):

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from housings import small_housing
+from matplotlib.figure import Figure
 
 from fem.casing.imported.imported_body import imported_body
 from fem.casing.imported.reduce_at_points import Point, reduce_imported_body
@@ -29,7 +30,7 @@ from fem.elements.solids import assemble
 from pipelines.cli.main import main
 from pipelines.runs.checked_scene import check_scene
 from pipelines.scene.load_scene import load_scene
-from pipelines.studies.housings.bore_picture import _seen
+from pipelines.studies.housings.bore_picture import _draw, _seen
 from pipelines.studies.housings.housing_block import housing_block
 from pipelines.studies.housings.housing_page import housing_page, thinned
 
@@ -352,6 +353,19 @@ def test_matrices_as_the_housing_of_a_scene_give_the_casing_of_its_mesh(tmp_path
     assert np.abs(foreign.frequencies[:count] / native.frequencies[:count] - 1).max() < 1e-6
     assert foreign.checkup.mass == pytest.approx(native.checkup.mass, rel=1e-9)
     assert foreign.mesh is None
+
+
+def test_a_wall_seen_through_a_bore_is_darker_than_the_wall_around_it():
+    """Equal brightness would make the bore look closed."""
+    eye = np.array([np.cos(np.radians(-60.0)), np.sin(np.radians(-60.0)), 0.0])
+    near = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    points = np.vstack([near, near - 0.2 * eye])
+    box = np.array([[-1.0] * 3, [1.0] * 3])
+    contents = SimpleNamespace(points=points, triangles=np.arange(6).reshape(2, 3), box=box)
+    axes = Figure().add_subplot(projection="3d")
+    _draw(axes, contents, -60.0)
+    back, front = axes.collections[0].get_facecolor()[:, :3].mean(axis=1)  # in the order in which they are painted
+    assert back < 0.6 * front
 
 
 def test_a_picture_numbers_a_bore_only_where_no_wall_hides_it():

@@ -189,8 +189,8 @@ ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one w
     # a file there is none of
     "CasingForce.point", "ColumnTable.file", "ColumnTable.column", "ImportedTable.file",
     "GearDeviationsTable.flanks", "MeasuredFlanksTable.file",
-    "MatricesHousingTable.equations_file", "MatricesHousingTable.file", "MatricesHousingTable.mass_file",
-    "MatricesHousingTable.nodes_file", "NodeSeatTable.name",
+    "MatricesHousingTable.equations_file", "MatricesHousingTable.rows_file", "MatricesHousingTable.file",
+    "MatricesHousingTable.mass_file", "MatricesHousingTable.nodes_file", "NodeSeatTable.name",
     "SeatBase.name", "StageTable.pinion_shaft", "StageTable.wheel_shaft",
 }  # fmt: skip
 

@@ -296,9 +296,11 @@ def test_a_sheet_holds_a_still_of_every_mode_at_its_largest_deflection(elastic, 
     monkeypatch.setattr(mode_pictures, "sheet_figure", lambda *some: drawn_sheets.append(some) or sheet(*some))
     views = [replace(mode_view(elastic), number=n, frequency=100.0 * n) for n in range(1, 31)]
     done = []
-    found = mode_pictures.write_modes(iter(views), len(views), tmp_path, lambda *counts: done.append(counts))
+    found = mode_pictures.write_modes(
+        iter(views), len(views), f"{tmp_path}/casing-b", lambda *counts: done.append(counts)
+    )
     assert done == [(n, 30) for n in range(1, 31)]
-    assert [path.name for path in found] == ["casing_modes_1.png", "casing_modes_2.png"]
+    assert [path.name for path in found] == ["casing-b-modes_1.png", "casing-b-modes_2.png"]
     assert all(path.stat().st_size > 1000 for path in found)
     assert len(shades) == 30
     assert [len(one[0]) for one in drawn_sheets] == [24, 6]
@@ -311,7 +313,7 @@ def test_a_sheet_holds_a_still_of_every_mode_at_its_largest_deflection(elastic, 
 def test_pictures_of_a_mode_move(elastic, tmp_path):
     from PIL import Image
 
-    found = drawn(write_mode, mode_view(elastic), tmp_path)
+    found = drawn(write_mode, mode_view(elastic), f"{tmp_path}/casing-b")
     assert [path.suffix for path in found] == [".png", ".gif", ".html"]
     with Image.open(found[1]) as film:
         assert film.n_frames == 16

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import math
 import re
+import tomllib
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,6 +19,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from sources import ROOT
 
 from fem.casing.imported.imported_body import MatrixError
+from fem.casing.imported.imported_casing import imported_casing
 from fem.casing.imported.matrix_checks import check_matrices
 from fem.casing.imported.matrix_files import MatrixFiles, read_body
 from fem.casing.mesh.gmsh_mesh import mesh_housing
@@ -29,8 +32,13 @@ from fem.elements.materials import CAST_IRON
 from fem.numerics.linear_solver import factorize
 from pipelines.cli.casing import casing_facts, modal_ratios
 from pipelines.cli.main import main
-from pipelines.io.errors import InputError
+from pipelines.io.errors import InputError, SceneError
+from pipelines.machine.machine_conversion import make_machine
+from pipelines.machine.scene_casing import imported_matrices
+from pipelines.runs.checked_scene import check_scene
 from pipelines.runs.single_results import Casing
+from pipelines.scene.load_scene import load_scene
+from pipelines.scene.tables.housing import MatricesHousingTable
 from pipelines.steps.casing import casing_warnings
 from pipelines.studies.housings.casing_export import FORMATS, free_body, write_casing
 from pipelines.studies.housings.responses import (
@@ -41,6 +49,7 @@ from pipelines.studies.housings.responses import (
     damping_words,
     table_lines,
 )
+from pipelines.studies.housings.superelement import housing_table
 
 FACTOR = 0.97  # of the stiffness, as extrapolation gives one
 
@@ -153,7 +162,7 @@ def test_what_is_exported_is_read_again_with_the_same_frequencies_in_its_ground(
         equations=further.get("c-equations.csv"),
     )
     body = read_body(files)
-    unused = {".npz": ["damping", "rows"], ".op4": ["baa", "rows"], ".pch": ["baax"], ".mtx": []}[ending]
+    unused = {".npz": ["damping"], ".op4": ["baa"], ".pch": ["baax"], ".mtx": []}[ending]
     assert [note.split(". ")[0] for note in body.notes] == [
         f"c{ending}: the matrix {name} is not used" for name in unused
     ]
@@ -165,6 +174,116 @@ def test_what_is_exported_is_read_again_with_the_same_frequencies_in_its_ground(
     free = body.node != len(body.numbers)  # its last node is the ground
     K, M = (matrix.toarray()[np.ix_(free, free)] for matrix in (body.stiffness, body.mass))
     assert hertz(K, M) == pytest.approx(casing.frequencies[:12], rel=precision)
+
+
+@pytest.mark.parametrize(("ending", "precision"), [(".npz", 1e-6), (".mtx", 1e-6), (".op4", 1e-6), (".pch", 1e-3)])
+def test_the_printed_table_imports_an_export_whose_sensors_move_as_those_of_the_casing(
+    full, casing, tmp_path, monkeypatch, ending, precision
+):
+    """Also along the own axes of a sensor that is not parallel to the axes of the scene."""
+    if ending in (".op4", ".pch"):
+        pytest.importorskip("pyyeti")
+    sensors = full[0].sensors[:2]
+    tilted = (sensors[0], replace(sensors[1], axes=((0.0, 0.0, 1.0), (0.6, 0.8, 0.0), (-0.8, 0.6, 0.0))))
+    body = reduced_body(casing.modes, sensors=tilted, stiffness_factor=FACTOR)
+    exported = replace(casing, body=body)
+    text = housing_table(free_body(exported), write_casing(exported, "a casing", tmp_path / f"c{ending}"))
+    table = MatricesHousingTable(**tomllib.loads(text)["casing"]["housing"])
+    places = dict(zip(body.point_names, body.point_positions.tolist(), strict=True))
+    bearings = [seat.name for seat in table.bearings]
+    assert bearings == sorted(name for name in places if name.startswith("bearing_"))
+    monkeypatch.chdir(tmp_path)
+    housing = imported_matrices(table, tilted, [tuple(places[name]) for name in bearings])
+    interfaces = dict.fromkeys(bearings, ("ux", "uy", "uz", "rx", "rz"))
+    options = {"model": "craig-bampton", "ground": "fixed", "attachment": "mean", "limit": 1e5}
+    modes, _ = imported_casing(housing, interfaces=interfaces, **options)
+    again = reduced_body(modes, sensors=tilted)
+    assert not any("rows" in note for note in again.notes)
+    force, frequencies = "bearing_1:uz", np.array([100.0, 700.0])
+    for sensor in tilted:
+        assert again.point_positions[again.point_names.index(sensor.name)] == pytest.approx(places[sensor.name])
+        rows = [f"{sensor.name}:{axis}" for axis in ("ux", "uy", "uz")]
+        mine, exact = (
+            accelerances(one, np.array([one.row(row) for row in rows]), one.row(force)[None], frequencies)
+            for one in (again, body)
+        )
+        assert mine == pytest.approx(exact, abs=precision * np.abs(exact).max())
+
+
+def test_rows_that_do_not_fit_the_nodes_are_reported(casing, tmp_path):
+    (path,) = write_casing(casing, "a casing", tmp_path / "c.npz")
+    arrays = dict(np.load(path))
+    np.savez(path, **arrays | {"rows": arrays["rows"][:-1]})
+    assert any("rows is not used" in note for note in read_body(MatrixFiles(stiffness=str(path))).notes)
+
+
+@pytest.fixture(scope="module")
+def star(tmp_path_factory):
+    """Scene `minimal` on an invented body: a node for the ground, springs to its bearings, a passive sensor."""
+    bearings = np.array(make_machine(load_scene("minimal").scene).bearing_points)
+    ground, n = bearings.mean(axis=0), len(bearings)
+    moved = np.zeros((6 * n, 6 * (n + 1)))  # of the bearings relative to the ground
+    for number, place in enumerate(bearings):
+        own = slice(6 * number, 6 * number + 6)
+        moved[own, own] = np.eye(6)
+        moved[own, -6:] = -np.vstack([rigid(place[None], ground), np.hstack([np.zeros((3, 3)), np.eye(3)])])
+    path = tmp_path_factory.mktemp("star") / "star.npz"
+    numbers = [*range(1, n + 1), n + 2]
+    arrays = {
+        "stiffness": moved.T @ np.diag(np.tile([1e8] * 3 + [1e5] * 3, n)) @ moved,
+        "mass": np.diag(np.tile([2.0] * 3 + [0.01] * 3, n + 1)),
+        "equations": [[number, axis] for number in numbers for axis in range(1, 7)],
+        "nodes": np.column_stack([np.arange(1, n + 3), np.vstack([bearings, ground + [0.0, 0.0, 0.1], ground])]),
+        "rows": np.eye(3, 6 * (n + 1)),
+    }
+    np.savez(path, **arrays)
+    table = {
+        "model": "matrices",
+        "file": str(path),
+        "units": "kg-m-s",
+        "bearings": [{"name": f"bearing_{number}", "nodes": [number]} for number in range(1, n + 1)],
+        "grounds": [{"nodes": [n + 2]}],
+    }
+    sensor = {"name": "sensor_3", "position_mm": (1000 * (ground + [0.0, 0.0, 0.1])).tolist()}
+    casing = {"casing.model": "craig-bampton", "casing.band_Hz": 1000.0, "casing.housing": table}
+    return arrays, path, casing | {"sensors": [sensor]}
+
+
+def test_a_scene_of_matrices_with_a_sensor_at_a_node_is_accepted(star):
+    assert check_scene(load_scene("minimal", star[2])).machine.title
+
+
+FORCE = {"model": "table", "times_s": [0.0, 1.0], "forces_N": [0.0, 0.0]}
+FAR = {"name": "sensor_3", "position_mm": [0.0, 900.0, 0.0]}
+
+
+@pytest.mark.parametrize(
+    ("housing", "tables", "words"),
+    [
+        ({}, {"sensors": [FAR]}, "sensors.1.position_mm.*nearest node.*limit 50 mm"),
+        ({"grounds": [{"nodes": [99]}]}, {}, "has no node 99"),
+        ({"origin_mm": [0.0, 5.0, 0.0]}, {}, "bearing_1: .*5 mm from the bearing.*Correct the nodes"),
+        (
+            {},
+            {"forces": [{"model": "casing-force", "point": "sensor_3", "axis": "z", "force": FORCE}]},
+            "forces: a casing-force acts on a mesh",
+        ),
+    ],
+)
+def test_matrices_that_the_casing_refuses_are_refused_by_the_check(star, housing, tables, words):
+    settings = star[2] | {"casing.housing": star[2]["casing.housing"] | housing} | tables
+    with pytest.raises(SceneError, match=words):
+        check_scene(load_scene("minimal", settings))
+
+
+def test_a_held_body_is_refused_by_the_check(star, tmp_path):
+    arrays, path, settings = star
+    held = tmp_path / path.name
+    np.savez(held, **arrays | {"stiffness": arrays["stiffness"] + 1e6 * np.eye(len(arrays["mass"]))})
+    with pytest.raises(SceneError, match=r"star.npz: a rigid-body motion needs force"):
+        check_scene(
+            load_scene("minimal", settings | {"casing.housing": settings["casing.housing"] | {"file": str(held)}})
+        )
 
 
 def test_a_casing_on_its_ground_is_refused_with_what_can_be_imported(casing, tmp_path):
@@ -267,7 +386,7 @@ def test_a_sensor_is_reported_that_measures_elsewhere_or_not_along_every_axis():
     unused, still, distant = casing_warnings(body, {"near": (0.004, 0.0, 0.0), "far": (0.106, 0.0, 0.0)})
     assert unused == "box.npz: the matrix damping is not used."
     assert still.startswith("near reads 0 along y and z")
-    assert "casing-force of 0 N" in still
+    assert "rows_file" in still
     assert distant.startswith("far measures")
     assert "6 mm from its position_mm. Correct" in distant
 
