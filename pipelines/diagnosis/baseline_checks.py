@@ -37,8 +37,8 @@ def check_baseline(
         raise BaselineError("no healthy recording to compare with. Give at least one.")
     if all(component == WHOLE for component, _ in recording.lines):
         raise BaselineError(
-            f"no shaft, gear or bearing has a feature in all recordings. {'. '.join(recording.left_out)}. Reduce the "
-            "uncertainty of the speed, set another --window, or add bearings to the machine file."
+            f"no shaft, gear or bearing has a feature in all recordings. {'. '.join(recording.left_out)}. Set "
+            "another --window, or add bearings to the machine file."
         )
     for number, (name, other) in enumerate(zip(names, baseline, strict=True)):
         if (other.sensor, other.axis) != (recording.sensor, recording.axis):

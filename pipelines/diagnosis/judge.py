@@ -92,6 +92,7 @@ def judge(
         false_differences=sum(one.p_different <= DIFFERENT for one in others),
         false_alarms=sum(one.p_damaged <= ALARM for one in others),
         left_out=recording.left_out,
+        not_examined=kinematics.without({component for component, _ in reference.groups}),
     )
 
 

@@ -26,6 +26,8 @@ def headline(verdict: Verdict) -> str:
         return f"Damaged: {named}."
     if verdict.different:
         return "Different from the healthy recordings, but no single component is damaged."
+    if verdict.not_examined:
+        return f"Not examined: {', '.join(verdict.not_examined)}; no other component exceeds its limit."
     return "No damage: no component exceeds its limit."
 
 
@@ -33,7 +35,8 @@ def answer(verdict: Verdict) -> str:
     """The answer in two words at most; "-" without limits."""
     if verdict.damaged is None:
         return "-"
-    return "damaged" if verdict.damaged else "different" if verdict.different else "no damage"
+    healthy = "incomplete" if verdict.not_examined else "no damage"
+    return "damaged" if verdict.damaged else "different" if verdict.different else healthy
 
 
 def sentences(verdict: Verdict) -> tuple[str, ...]:
@@ -105,7 +108,7 @@ def compared(verdict: Verdict) -> list[str]:
 
 
 def ranking_grid(verdict: Verdict) -> Grid:
-    """Table of all components, the strongest evidence first."""
+    """Table of all components, the strongest evidence first, then those that are not examined."""
     rows = tuple(
         (
             one.component,
@@ -116,7 +119,7 @@ def ranking_grid(verdict: Verdict) -> Grid:
             ", ".join(one.alike),
         )
         for one in verdict.findings
-    )
+    ) + tuple((name, "", "", "not examined", "", "") for name in verdict.not_examined)
     headers = ("component", "increase dB", STRENGTH, "channel", "tooth", "same orders as")
     return Grid(title="Components by their evidence", headers=headers, rows=rows)
 

@@ -361,7 +361,7 @@ def file_words(found: JudgedFile) -> str:
     if found.verdict is not None:
         answer, _, tables = text(found.verdict).partition("\n\n")
         return "\n\n".join([answer, *parts, tables.rstrip(), *levels])
-    parts = [impact_words(found.impacts), *parts]
+    parts = [impact_words(found.recorded.table), *parts]
     parts += [features_grid(found.recorded.table).to_text(), *levels]
     if found.recorded.table.left_out:
         parts.append(f"Left out: {'; '.join(found.recorded.table.left_out)}.")

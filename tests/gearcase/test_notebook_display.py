@@ -104,6 +104,7 @@ def test_a_verdict_shows_its_findings():
         false_differences=0,
         false_alarms=0,
         left_out=(),
+        not_examined=(),
     )
     assert cells(found._repr_html_())[1] == ["<wheel>", "+12.0", "top z", "0.0005", "-", "pinion"]
     assert repr(found) == "<Verdict: damaged, against 20 healthy recordings; first <wheel>, +12.0 dB>"

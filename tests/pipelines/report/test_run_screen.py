@@ -76,5 +76,6 @@ def test_the_average_is_that_of_the_gear_that_is_damaged(damaged, shown):
         false_differences=0,
         false_alarms=0,
         left_out=(),
+        not_examined=(),
     )
     assert shown_gear(machine, verdict, kinematics_of(machine.layout, ())).name == shown
