@@ -14,6 +14,7 @@ import numpy as np
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_TREND
 from pipelines.signals.features.feature_table import WHOLE, FeatureTable
 
+FEWEST_FOR_OUTLYING = FEWEST_FOR_TREND + 1  # recordings; the most central ones are accepted without a comparison
 OUTLYING = 0.01  # probability that a healthy recording differs so much from the accepted ones
 _SAME = 1e-6  # relative difference of features below which two files contain the same recording
 
@@ -73,7 +74,7 @@ def outlying(healthy: np.ndarray, difference: Callable[[int, np.ndarray], float]
         its arguments are the number of the recording and those of the accepted ones (accepted,)
     """
     core = max(FEWEST_FOR_TREND, len(healthy) // 2 + 1)
-    if len(healthy) <= core:
+    if len(healthy) < FEWEST_FOR_OUTLYING:
         return []
     away = np.abs(healthy - np.median(healthy, axis=0))
     size = np.median(away, axis=0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pipelines.diagnosis.baseline_checks import FEWEST_FOR_OUTLYING
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.diagnosis.impacts import CLEAR
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Evidence, Finding, Verdict, decibels
@@ -91,6 +92,8 @@ def compared(verdict: Verdict) -> list[str]:
     if verdict.outlying:
         names = ", ".join(verdict.outlying)
         found.append(f"Left out because they differ from the other healthy recordings: {names}. Check them.")
+    if verdict.healthy + len(verdict.outlying) < FEWEST_FOR_OUTLYING:
+        found.append(f"Give {FEWEST_FOR_OUTLYING} or more to find a damaged one among them.")
     if verdict.damaged is None:
         return [*found, f"Give {FEWEST_FOR_P} or more for limits."]
     found.append(
@@ -98,11 +101,15 @@ def compared(verdict: Verdict) -> list[str]:
         "different."
     )
     if verdict.tested:
-        counts = (verdict.false_alarms, verdict.false_differences)
-        rates = (f"{100 * low:.2g} to {100 * high:.2g} %" for low, high in map(verdict.interval, counts))
+        called = (verdict.false_alarms, verdict.false_differences)
+        rates = (
+            f"{100 * low:.2g} to {100 * high:.2g} %" for low, high in (verdict.interval(len(one)) for one in called)
+        )
+        damaged, different = (f" ({', '.join(one)})" if one else "" for one in called)
         found.append(
-            f"Of the {verdict.tested} healthy recordings, each compared with the others, {counts[0]} are called "
-            f"damaged and {counts[1]} different. With 95 % confidence these rates are {' and '.join(rates)}."
+            f"Of the {verdict.tested} healthy recordings, each compared with the others, {len(called[0])} are called "
+            f"damaged{damaged} and {len(called[1])} different{different}. With 95 % confidence these rates are "
+            f"{' and '.join(rates)}."
         )
     return found
 

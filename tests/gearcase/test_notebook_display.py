@@ -101,8 +101,8 @@ def test_a_verdict_shows_its_findings():
         at_speed=False,
         outlying=(),
         tested=0,
-        false_differences=0,
-        false_alarms=0,
+        false_differences=(),
+        false_alarms=(),
         left_out=(),
         not_examined=(),
     )

@@ -79,7 +79,7 @@ def test_other_healthy_machines_raise_no_alarm(healthy):
     assert [judge(table(seed), healthy, MACHINE).damaged for seed in range(200, 206)] == [False] * 6
     verdict = judge(table(200), healthy, MACHINE)
     assert headline(verdict).startswith("No damage")
-    assert (verdict.tested, verdict.false_alarms) == (8, 0)
+    assert (verdict.tested, verdict.false_alarms) == (8, ())
     assert verdict.interval(0) == pytest.approx((0.0, 0.369), abs=1e-3)
 
 
@@ -194,6 +194,16 @@ def test_faulty_recordings_in_a_baseline_of_ten_are_named_and_the_verdict_is_kep
         assert verdict.damaged
         assert verdict.healthy == 10 - count
         assert "Left out because they differ" in " ".join(sentences(verdict))
+
+
+@pytest.mark.parametrize("count", [4, 6, 7])
+def test_a_faulty_recording_is_left_out_of_seven_and_named_among_six_and_fewer_ask_for_more(healthy, count):
+    baseline = [table(310, fault="stage 1 wheel"), *healthy[: count - 1]]
+    verdict = judge(table(320), baseline, MACHINE, [f"{number}.csv" for number in range(count)])
+    assert verdict.outlying == (("0.csv",) if count == 7 else ())
+    words = " ".join(sentences(verdict))
+    assert ("Give 7 or more to find a damaged one among them." in words) == (count < 7)
+    assert ("1 are called damaged (0.csv) and 1 different (0.csv)." in words) == (count == 6)
 
 
 def test_a_recording_twice_or_in_its_own_baseline_is_refused_by_name(healthy):
