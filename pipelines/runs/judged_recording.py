@@ -305,7 +305,7 @@ def read_features(
             if start < time[0] or end > 2 * time[-1] - time[-2]:
                 raise InputError(
                     f"{shown(path)}: {name} from {start:g} to {end:g} s is not within the recording, {time[0]:.6g} to "
-                    f"{time[-1]:.6g} s. Set a window within it."
+                    f"{time[-1]:.6g} s. Select a window within it: {shown(path)}@START:END"
                 )
         try:
             rotation = rotation_of(recording, machine.kinematics)
