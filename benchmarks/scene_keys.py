@@ -37,7 +37,8 @@ This page lists every key of a scene file. It is made from the program by
   items from 1.
 - The key `model` chooses the table of a model, `kind` that of a fault.
 - `extends = "rig-healthy"` at the top of a file inherits every value of that scene that the file does not give. Tables
-  are merged key by key, so inherited windows stay. Lists are replaced; a table `[stages.1]` changes one item of a list.
+  are merged key by key, so inherited windows stay. Lists are replaced; a table `[stages.1]` changes one item of an
+  inherited list. Below `[[shafts]]` of the same file the number is omitted, as in `[[shafts.bearings]]`.
 """
 TOP = "Top level"
 FROM_FILE = "values from a file"

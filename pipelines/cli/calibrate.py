@@ -59,7 +59,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.studies.calibrate.calibration import calibrate, recorded_levels
     from pipelines.studies.calibrate.calibration_output import figure, plain, text
     from pipelines.studies.calibrate.free_keys import calibration_plan, parse_free
+    from pipelines.studies.calibrate.posterior import check_installed
 
+    check_installed()
     loaded = load_requested(options)
     if loaded.scene.faults:
         words = "its faults are simulated in all runs. For recordings of a healthy machine add --set faults=[]"

@@ -22,8 +22,6 @@ line                  Hz  faulty m/s²  healthy m/s²  difference dB  over floor
 envelope f_r      10.081       0.0224       0.00656          +10.7          +28.7                  +22.8  detected
 ..."""
 
-_WIDTH = 100  # characters of a line of a table
-
 
 def arguments(sub: argparse.ArgumentParser) -> None:
     """Add the arguments: a recording or a run, its machine, and healthy recordings."""
@@ -91,6 +89,7 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
     from pipelines.io.shown_text import shown
+    from pipelines.io.text_table import WIDTH
     from pipelines.io.user_files import writable_folder
     from pipelines.runs.judged_recording import (
         courses_of,
@@ -122,8 +121,8 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
         trend = {"order": order, "recordings": facts, "refused": refused, "trend": trend_facts(courses, names)}
         yield json_text(trend if several else facts[0])
     elif several:
-        table = files_grid(names, judged, refused).to_text(_WIDTH)
-        yield f"{table}\n{order}\n\n{trend_grid(courses).to_text(_WIDTH)}\n"
+        table = files_grid(names, judged, refused).to_text(WIDTH)
+        yield f"{table}\n{order}\n\n{trend_grid(courses).to_text(WIDTH)}\n"
         yield from (f"Refused: {reason}" for reason in refused.values())
         notes: dict[str, list[str]] = {}  # numbers of recordings
         for number, one in enumerate(judged, 1):

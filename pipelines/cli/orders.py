@@ -35,6 +35,7 @@ input-bearing z over the orders of shaft 1, 11 windows
 -------  ------------  ------  ------
 ...
      46        0.0944    1470  1126.7
+...
 runs/reducer/2026-11-25_01-02-30/orders.png
 ..."""
 
@@ -141,6 +142,7 @@ class _RunUp:
     place: str  # as in "motor_side z"
     units: str
     shaft: str
+    origin: str  # of the speed, with its uncertainty
     orders: tuple[float, ...]
     signal: np.ndarray
     time: np.ndarray
@@ -182,6 +184,7 @@ def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
             place=f"{sensor} {axis}",
             units=str(found.attrs["units"]),
             shaft=name,
+            origin=". Source: shaft angle of the run.",
             orders=tuple(options.orders) or _mesh_orders(kinematics_of(train.layout, train.rolling), name),
             signal=np.asarray(found.values, dtype=float),
             time=run.time.values,
@@ -212,6 +215,7 @@ def _read_file(options: argparse.Namespace, windowed: bool) -> _RunUp:
         place=f"{sensor} {axis}",
         units="m/s2",
         shaft=shaft.name,
+        origin=part.rotation.origin,
         orders=tuple(options.orders) or _mesh_orders(part.kinematics, shaft.name),
         signal=part.acceleration[part.channels.index((sensor, axis)), inside],
         time=part.time[inside],
@@ -245,7 +249,7 @@ def _natural_over_speed(loaded: LoadedScene, work: Work, speeds: np.ndarray, up_
 
 
 def _table(found: Waterfall, orders: list[float], read: _RunUp) -> str:
-    """Table of the highest amplitude of each order, and the speed at which it occurs."""
+    """Table of the highest amplitude of each order and the speed at which it occurs; source of the speed."""
     from pipelines.io.text_table import grid
 
     rows = []
@@ -262,4 +266,5 @@ def _table(found: Waterfall, orders: list[float], read: _RunUp) -> str:
             }
         )
     title = f"{read.place} over the orders of {read.shaft.replace('_', ' ')}, {len(found.speed)} windows"
-    return grid(title, rows).to_text()
+    lowest, highest = (end * 30 / math.pi for end in (found.speed.min(), found.speed.max()))
+    return f"{grid(title, rows).to_text()}\n{read.shaft}: {lowest:.5g} to {highest:.5g} rpm{read.origin}"

@@ -34,6 +34,8 @@ from pipelines.runs.run_folder import RESPONSE
 if TYPE_CHECKING:
     import pandas
 
+    from pipelines.signals.features.feature_table import FeatureTable
+
 _LOG = logging.getLogger(__name__)
 FEATURE_ROWS = "feature_rows"
 FEATURES = "features.parquet"
@@ -69,20 +71,25 @@ class FeatureSource:
         self.folder = kept[0] if kept else None
 
     def frames(self, executor: Executor, on_progress: Progress) -> Iterator[pandas.DataFrame]:
-        """The rows of every signal; a signal without features is added to `failures`, with the reason, and logged at
-        the end.
+        """The rows of every signal. A signal without features is added to `failures`, with the reason.
+
+        At the end these and the shafts without features are logged.
 
         Raises
         ------
         InputError : no signal has features; the message states the reason for the first one
         """
-        found = False
-        for key, name, columns, failure in self._computed(executor, on_progress):
-            if failure:
+        found, lacking = False, dict[str, list[str]]()  # names of signals and reasons, by shaft and its gears
+        for key, name, table, failure in self._computed(executor, on_progress):
+            if table is None:
                 self.failures[str(name)] = failure
                 continue
-            yield _frame(key, name, columns)
+            for shaft, _, reason in (one.partition(": ") for one in table.left_out):
+                lacking.setdefault(shaft, []).append(f"{key} {shown(str(name))}: {reason}")
+            yield _frame(key, name, table.columns())
             found = True
+        for shaft, signals in lacking.items():
+            _LOG.warning("no features of %s in %d signals. The first: %s", shaft, len(signals), signals[0])
         for name, failure in list(self.failures.items())[0 if found else 1 :]:  # the first is the error below
             _LOG.warning("no features of %s: %s", shown(name), failure)
         if not found:
@@ -90,18 +97,17 @@ class FeatureSource:
 
     def _computed(
         self, executor: Executor, on_progress: Progress
-    ) -> Iterator[tuple[str, str | int, Mapping[str, Any], str]]:
+    ) -> Iterator[tuple[str, str | int, FeatureTable | None, str]]:
         if self.folder is not None:
             for row in dataset_rows(self.folder, self._windows, self._noise, executor, on_progress):
-                table = stored_table(row["table"])
-                yield "run", row["run"], {} if table is None else table.columns(), row["failure"]
+                yield "run", row["run"], stored_table(row["table"]), row["failure"]
             return
         files = [file for one in self._sources for file in _files(one)]
         compute = partial(_of_recording, machine=self._machine, windows=self._windows, noise=self._noise)
         done = map(compute, files) if len(files) == 1 else executor.map(compute, files)
-        for number, (file, (columns, failure)) in enumerate(zip(files, done, strict=True), 1):
+        for number, (file, (table, failure)) in enumerate(zip(files, done, strict=True), 1):
             on_progress(number, len(files))
-            yield "recording", str(file), columns, failure
+            yield "recording", str(file), table, failure
 
 
 def write_features(path: Path, frames: Iterable[pandas.DataFrame]) -> int:
@@ -146,15 +152,15 @@ def _files(source: str | Path) -> list[str | Path]:
 
 def _of_recording(
     source: str | Path, machine: str | Path | None, windows: Mapping[str, Window], noise: float
-) -> tuple[Mapping[str, Any], str]:
-    """Columns of the features of a recording or run, or the reason why it has none."""
+) -> tuple[FeatureTable | None, str]:
+    """The features of a recording or run, or the reason why it has none."""
     try:
         path, asked = recording_and_window(source)
         known, of_scene = machine_of(path, machine)
         chosen = requested_windows(source, asked, of_scene) if asked else windows
-        return read_features(path, known, chosen, noise).table.columns(), ""
+        return read_features(path, known, chosen, noise).table, ""
     except InputError as error:
-        return {}, str(error)
+        return None, str(error)
 
 
 def dataset_rows(

@@ -17,6 +17,7 @@ from pipelines.datasets.run_warnings import run_warnings
 from pipelines.datasets.signal_layout import read_facts
 from pipelines.datasets.store import SIGNALS
 from pipelines.datasets.variables_grid import design_words, varied_grid
+from pipelines.io.text_table import WIDTH
 from pipelines.io.toml_text import read_toml
 
 PLAN = "plan.toml"
@@ -60,7 +61,7 @@ class Summary:
         ]
         table = varied_grid(plan, self.columns)
         if table.rows:
-            lines += [f"  {line}" for line in table.to_text().splitlines()[1:]]
+            lines += [f"  {line}".rstrip() for line in table.to_text(WIDTH - 2).splitlines()[1:]]
         return "".join(f"{line}\n" for line in lines)
 
 

@@ -34,7 +34,7 @@ def varied_grid(plan: Mapping[str, Any], columns: Mapping[str, np.ndarray]) -> G
             {
                 "variable": name,
                 "distribution": distribution(variable),
-                "sets": ", ".join(sets(plan, name)),
+                "sets": ", ".join(_several(sets(plan, name))),
                 "in the rows": observed(columns.get(name, np.array([]))),
             }
             for name, variable in plan["variables"].items()
@@ -54,6 +54,11 @@ def sets(plan: Mapping[str, Any], variable: str) -> list[str]:
         if name.search(text)
     ]
     return list(dict.fromkeys(found + [f"cases.{variable}"] * (variable in plan["cases"])))
+
+
+def _several(keys: list[str]) -> list[str]:
+    """Several keys with "*" in place of the number of an item, each once; a single one as it is."""
+    return keys if len(keys) == 1 else list(dict.fromkeys(re.sub(r"\.\d+\b", ".*", key) for key in keys))
 
 
 def design_words(plan: Mapping[str, Any]) -> str:

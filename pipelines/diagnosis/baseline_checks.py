@@ -14,6 +14,7 @@ import numpy as np
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_TREND
 from pipelines.signals.features.feature_table import WHOLE, FeatureTable
 
+FEWEST_FOR_OUTLYING = FEWEST_FOR_TREND + 1  # recordings; the most central ones are accepted without a comparison
 OUTLYING = 0.01  # probability that a healthy recording differs so much from the accepted ones
 _SAME = 1e-6  # relative difference of features below which two files contain the same recording
 
@@ -37,8 +38,8 @@ def check_baseline(
         raise BaselineError("no healthy recording to compare with. Give at least one.")
     if all(component == WHOLE for component, _ in recording.lines):
         raise BaselineError(
-            f"no shaft, gear or bearing has a feature in all recordings. {'. '.join(recording.left_out)}. Reduce the "
-            "uncertainty of the speed, set another --window, or add bearings to the machine file."
+            f"no shaft, gear or bearing has a feature in all recordings. {'. '.join(recording.left_out)}. Set "
+            "another --window, or add bearings to the machine file."
         )
     for number, (name, other) in enumerate(zip(names, baseline, strict=True)):
         if (other.sensor, other.axis) != (recording.sensor, recording.axis):
@@ -73,7 +74,7 @@ def outlying(healthy: np.ndarray, difference: Callable[[int, np.ndarray], float]
         its arguments are the number of the recording and those of the accepted ones (accepted,)
     """
     core = max(FEWEST_FOR_TREND, len(healthy) // 2 + 1)
-    if len(healthy) <= core:
+    if len(healthy) < FEWEST_FOR_OUTLYING:
         return []
     away = np.abs(healthy - np.median(healthy, axis=0))
     size = np.median(away, axis=0)

@@ -10,7 +10,7 @@ chosen from the healthy run, see `pipelines.signals.analysis`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ from fem.storage import shown_html
 from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of, sampling
 from pipelines.signals.line_table import IN_ENVELOPE, LineTable, joined, level
 from pipelines.signals.measured_speed import at_measured_speed
+from pipelines.signals.motion_warnings import chance_of_run
 from pipelines.signals.shaft_lines import readable
 from pipelines.signals.spectrum import Segment, Spectrum
 
@@ -40,6 +41,7 @@ class Diagnosis:
     load: str
     deviations: str  # "off" | "seed <n>"
     noise: float  # m/s2 rms, added to both runs
+    chance: str  # why the difference of the runs can be chance, "" if it is not; then no line is detected
     band: tuple[float, float]  # Hz
     segments: Mapping[str, Segment]  # window -> segment
     lines: LineTable
@@ -97,11 +99,16 @@ def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: Diagnosi
     envelopes = {(state, name): a.envelopes[name] for state, a in analyses.items() for name in settings.windows}
     load, deviations = str(faulty.attrs["load"]), deviation_name(faulty.attrs)
     lines = joined(_window_lines(settings, name, load, deviations, spectra, envelopes) for name in settings.windows)
+    end = max(end for _, end in settings.windows.values())
+    chance = chance_of_run(faulty, end) or chance_of_run(healthy, end)
+    if chance:
+        lines = replace(lines, detected=np.zeros_like(lines.detected))
     return Diagnosis(
         settings=settings,
         load=load,
         deviations=deviations,
         noise=noise_of(faulty),
+        chance=chance,
         band=control.band,
         segments=control.segments,
         lines=lines,

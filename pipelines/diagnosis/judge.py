@@ -89,9 +89,12 @@ def judge(
         at_speed=len(found.healthy) < len(kept),
         outlying=tuple(names[i] for i in odd),
         tested=len(tested),
-        false_differences=sum(one.p_different <= DIFFERENT for one in others),
-        false_alarms=sum(one.p_damaged <= ALARM for one in others),
+        false_differences=tuple(
+            names[i] for i, one in zip(tested, others, strict=True) if one.p_different <= DIFFERENT
+        ),
+        false_alarms=tuple(names[i] for i, one in zip(tested, others, strict=True) if one.p_damaged <= ALARM),
         left_out=recording.left_out,
+        not_examined=kinematics.without({component for component, _ in reference.groups}),
     )
 
 

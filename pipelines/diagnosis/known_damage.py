@@ -67,11 +67,13 @@ def _tied(verdict: Verdict, one: Finding) -> list[str]:
 
 
 def any_found(cases: Sequence[Case], damages: Sequence[Damage]) -> bool | None:
-    """Whether a known damage, or any damage if none is known, is found in any case; None without a decision."""
+    """Whether a known damage is found in any case, or any damage if none is known; None if that is not decided."""
     if all(case.verdict.damaged is None for case in cases):
         return None
     if not damages:
-        return any(case.verdict.damaged for case in cases)
+        return any(case.verdict.damaged for case in cases) or (
+            None if any(case.verdict.not_examined for case in cases) else False
+        )
     return any(found(case, damage, damages) is not None for case in cases for damage in damages)
 
 

@@ -9,14 +9,19 @@ import numpy as np
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.known_damage import deviation_words
 from pipelines.io.text_table import Grid
-from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.line_table import IN_ENVELOPE, LOADS, LineTable
 
 EQUAL = 1.0  # dB; modulations this close are called equal
 
 
-def criterion(settings: DiagnosisSettings) -> str:
-    """Sentences on the criterion for a detected line."""
+def criterion(diagnosis: Diagnosis) -> str:
+    """Sentences on the criterion for a detected line, or on why no line is detected."""
+    settings = diagnosis.settings
+    if diagnosis.chance:
+        return (
+            f"No line is marked as detected: {diagnosis.chance}, so that differences from the healthy control need not "
+            "be effects of the fault."
+        )
     return (
         f"A line is marked as detected if it is at least {settings.difference_limit:g} dB over the same line of the "
         f"healthy control and at least {settings.floor_limit:g} dB over its floor, the median of the bins between the "
@@ -105,7 +110,7 @@ def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
 
 def markdown(diagnoses: Sequence[Diagnosis]) -> str:
     """Markdown tables of all lines by load and window, with one column for each set of deviations."""
-    parts = [criterion(diagnoses[0].settings), directions(diagnoses[0])]
+    parts = [criterion(diagnoses[0]), directions(diagnoses[0])]
     for load in dict.fromkeys(d.load for d in diagnoses):
         for window in dict.fromkeys(w for d in diagnoses if d.load == load for w in d.settings.windows):
             parts.append(_titled(seeds_grid(diagnoses, load, window)))

@@ -79,10 +79,10 @@ class Verdict:
     first. `exact` means that the reference is a control. `at_speed` means that the levels of the healthy recordings
     depend on the speed and were taken at that of the recording.
 
-    `tested` healthy recordings were diagnosed against the others; `false_differences` and `false_alarms` of them were
-    called different or damaged. `tested` is 0 if the others are too few. `healthy` counts the recordings of the
-    reference without those that are `outlying`. `left_out` names shafts with too few turns or of conditional speed, and
-    the reason.
+    `tested` healthy recordings were diagnosed against the others; `false_differences` and `false_alarms` name those
+    that were called different or damaged. `tested` is 0 if the others are too few. `healthy` counts the recordings of
+    the reference without those that are `outlying`. `left_out` names shafts with too few turns or of conditional speed,
+    and the reason. `not_examined` are all gears, shafts and bearings without findings.
     """
 
     findings: tuple[Finding, ...]
@@ -95,9 +95,10 @@ class Verdict:
     at_speed: bool
     outlying: tuple[str, ...]
     tested: int
-    false_differences: int
-    false_alarms: int
+    false_differences: tuple[str, ...]
+    false_alarms: tuple[str, ...]
     left_out: tuple[str, ...]
+    not_examined: tuple[str, ...]
 
     @property
     def first(self) -> Finding:
@@ -114,6 +115,7 @@ class Verdict:
 
     def _words(self) -> str:
         found = {True: "damaged", False: "no damage", None: "baseline too small to decide"}[self.damaged]
+        found += f" ({', '.join(self.not_examined)} not examined)" if self.not_examined else ""
         return f"{found}, against {self.healthy} healthy recording{'' if self.healthy == 1 else 's'}"
 
     def _repr_html_(self) -> str:

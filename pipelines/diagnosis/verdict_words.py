@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pipelines.diagnosis.baseline_checks import FEWEST_FOR_OUTLYING
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.diagnosis.impacts import CLEAR
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Evidence, Finding, Verdict, decibels
@@ -26,6 +27,8 @@ def headline(verdict: Verdict) -> str:
         return f"Damaged: {named}."
     if verdict.different:
         return "Different from the healthy recordings, but no single component is damaged."
+    if verdict.not_examined:
+        return f"Not examined: {', '.join(verdict.not_examined)}; no other component exceeds its limit."
     return "No damage: no component exceeds its limit."
 
 
@@ -33,7 +36,8 @@ def answer(verdict: Verdict) -> str:
     """The answer in two words at most; "-" without limits."""
     if verdict.damaged is None:
         return "-"
-    return "damaged" if verdict.damaged else "different" if verdict.different else "no damage"
+    healthy = "incomplete" if verdict.not_examined else "no damage"
+    return "damaged" if verdict.damaged else "different" if verdict.different else healthy
 
 
 def sentences(verdict: Verdict) -> tuple[str, ...]:
@@ -88,6 +92,8 @@ def compared(verdict: Verdict) -> list[str]:
     if verdict.outlying:
         names = ", ".join(verdict.outlying)
         found.append(f"Left out because they differ from the other healthy recordings: {names}. Check them.")
+    if verdict.healthy + len(verdict.outlying) < FEWEST_FOR_OUTLYING:
+        found.append(f"Give {FEWEST_FOR_OUTLYING} or more to find a damaged one among them.")
     if verdict.damaged is None:
         return [*found, f"Give {FEWEST_FOR_P} or more for limits."]
     found.append(
@@ -95,17 +101,21 @@ def compared(verdict: Verdict) -> list[str]:
         "different."
     )
     if verdict.tested:
-        counts = (verdict.false_alarms, verdict.false_differences)
-        rates = (f"{100 * low:.2g} to {100 * high:.2g} %" for low, high in map(verdict.interval, counts))
+        called = (verdict.false_alarms, verdict.false_differences)
+        rates = (
+            f"{100 * low:.2g} to {100 * high:.2g} %" for low, high in (verdict.interval(len(one)) for one in called)
+        )
+        damaged, different = (f" ({', '.join(one)})" if one else "" for one in called)
         found.append(
-            f"Of the {verdict.tested} healthy recordings, each compared with the others, {counts[0]} are called "
-            f"damaged and {counts[1]} different. With 95 % confidence these rates are {' and '.join(rates)}."
+            f"Of the {verdict.tested} healthy recordings, each compared with the others, {len(called[0])} are called "
+            f"damaged{damaged} and {len(called[1])} different{different}. With 95 % confidence these rates are "
+            f"{' and '.join(rates)}."
         )
     return found
 
 
 def ranking_grid(verdict: Verdict) -> Grid:
-    """Table of all components, the strongest evidence first."""
+    """Table of all components, the strongest evidence first, then those that are not examined."""
     rows = tuple(
         (
             one.component,
@@ -116,7 +126,7 @@ def ranking_grid(verdict: Verdict) -> Grid:
             ", ".join(one.alike),
         )
         for one in verdict.findings
-    )
+    ) + tuple((name, "", "", "not examined", "", "") for name in verdict.not_examined)
     headers = ("component", "increase dB", STRENGTH, "channel", "tooth", "same orders as")
     return Grid(title="Components by their evidence", headers=headers, rows=rows)
 

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+WIDTH = 100  # characters of a line of a table on the terminal
+
 
 class GridError(ValueError):
     """A row does not have one cell per header."""

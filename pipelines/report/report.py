@@ -151,7 +151,7 @@ def report_sections(
 def _decided(cases: Sequence[Case], damages: Sequence[Damage], diagnoses: Sequence[Diagnosis]) -> list[str]:
     parts = [page.table(cases_grid(cases, damages))] if cases and damages else []
     texts = [note(cases[0].verdict)] if cases else []
-    texts += [criterion(diagnoses[0].settings)] if diagnoses else []
+    texts += [criterion(diagnoses[0])] if diagnoses else []
     return [*parts, *map(page.paragraph, texts + [text for one in diagnoses if (text := directions(one))])]
 
 

@@ -305,7 +305,7 @@ def read_features(
             if start < time[0] or end > 2 * time[-1] - time[-2]:
                 raise InputError(
                     f"{shown(path)}: {name} from {start:g} to {end:g} s is not within the recording, {time[0]:.6g} to "
-                    f"{time[-1]:.6g} s. Set a window within it."
+                    f"{time[-1]:.6g} s. Select a window within it: {shown(path)}@START:END"
                 )
         try:
             rotation = rotation_of(recording, machine.kinematics)
@@ -337,16 +337,12 @@ def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windo
     first, last = np.searchsorted(time, start), min(int(np.searchsorted(time, end)), len(time) - 1)
     turned = abs(float(rotation.angle[last] - rotation.angle[first])) / (2.0 * math.pi)
     frequency = turned / float(time[last] - time[first])
-    known = f" (known to {100 * rotation.error:.1g} %)" if rotation.error else ""
     meshes = "".join(
         f", f_m {order * frequency:.5g} Hz (stage {stage})" for stage, order in kinematics.mesh_orders().items()
     )
-    conditional = "".join(
-        f" The speed of {shaft} is conditional: {reason}." for shaft, reason in rotation.conditional.items()
-    )
     return (
-        f"{kinematics.shafts[0].name} turns {turned:.1f} times in {start:.4g} to {end:.4g} s: {60 * frequency:.5g} "
-        f"rpm{known}, f_r {frequency:.5g} Hz{meshes}. Source: {rotation.source}.{conditional}"
+        f"{kinematics.shafts[0].name} turns {turned:.1f} times in {start:.4g} to {end:.4g} s: f_r {frequency:.5g} "
+        f"Hz{meshes}, {60 * frequency:.5g} rpm{rotation.origin}"
     )
 
 
@@ -361,7 +357,7 @@ def file_words(found: JudgedFile) -> str:
     if found.verdict is not None:
         answer, _, tables = text(found.verdict).partition("\n\n")
         return "\n\n".join([answer, *parts, tables.rstrip(), *levels])
-    parts = [impact_words(found.impacts), *parts]
+    parts = [impact_words(found.recorded.table), *parts]
     parts += [features_grid(found.recorded.table).to_text(), *levels]
     if found.recorded.table.left_out:
         parts.append(f"Left out: {'; '.join(found.recorded.table.left_out)}.")

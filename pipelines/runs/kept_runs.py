@@ -5,6 +5,8 @@ Nothing but small text files is read, so that hundreds of runs are listed at onc
 
 from __future__ import annotations
 
+import contextlib
+import json
 import re
 import time
 from collections import defaultdict
@@ -18,11 +20,10 @@ from pipelines.io.shown_text import shown, shown_value
 from pipelines.io.text_table import Grid, grid
 from pipelines.io.toml_text import TomlError, read_toml
 from pipelines.io.user_files import is_regular_file, read_text
-from pipelines.runs.run_folder import RESOLVED, RESPONSE, finished_runs
+from pipelines.runs.run_folder import RESOLVED, RESPONSE, RUN, VERDICT, finished_runs
 from pipelines.scene.merge import leaves
 from pipelines.scene.tree_limits import MOST_BYTES
 
-_VERDICTS = ("verdict.txt", "diagnosis.txt")  # their first lines answer
 _MOST_SHOWN = 3  # settings in a row of the table
 _LONGEST = 40  # characters of a setting there
 _SPANS = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"))
@@ -63,20 +64,22 @@ def kept_run(number: int, folder: Path, now: float) -> KeptRun:
 
 
 def run_settings(folder: Path) -> dict[str, Any]:
-    """The values of the scene of a run by dotted key; none where its file is gone or was spoiled."""
-    try:
+    """The values of the scene of a run by dotted key, and its --baseline; none where a file is gone or was spoiled."""
+    settings: dict[str, Any] = {}
+    with contextlib.suppress(OSError, InputError, TomlError):
         tree = read_toml(read_text(folder / RESOLVED, MOST_BYTES))
-    except (OSError, InputError, TomlError):
-        return {}
-    return {".".join(path): value for path, value in leaves(tree).items()}
+        settings = {".".join(path): value for path, value in leaves(tree).items()}
+    with contextlib.suppress(OSError, InputError, ValueError, KeyError):
+        settings["--baseline"] = json.loads(read_text(folder / RUN, MOST_BYTES))["baseline"]
+    return settings
 
 
 def _verdict(folder: Path) -> str:
-    for name in _VERDICTS:
-        if is_regular_file(folder / name):
-            with open(folder / name, encoding="utf-8", errors="replace") as file:
-                return shown(re.split(r"(?<=\.) ", file.readline(1000).strip(), maxsplit=1)[0], 1000)
-    return ""
+    """The first sentence of the verdict, "" without one."""
+    if not is_regular_file(folder / VERDICT):
+        return ""
+    with open(folder / VERDICT, encoding="utf-8", errors="replace") as file:
+        return shown(re.split(r"(?<=\.) ", file.readline(1000).strip(), maxsplit=1)[0], 1000)
 
 
 def differing(runs: Iterable[KeptRun]) -> dict[int, dict[str, Any]]:

@@ -49,9 +49,10 @@ def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[Comp
     FeatureError : too few revolutions for spectra
     """
     verdict, own, title = judged.verdict, judged.recorded, f"Diagnosis of {recorded[-1].name}"
-    answer = (impact_words(judged.impacts),) if verdict is None else verdict_words.sentences(verdict)
+    answer = (impact_words(own.table),) if verdict is None else verdict_words.sentences(verdict)
     damaged = any(one.clear for one in judged.impacts) or None if verdict is None else verdict.damaged
-    style = "open" if damaged is None else "fault" if damaged else "none"
+    incomplete = damaged is None or (verdict is not None and verdict.not_examined)
+    style = "fault" if damaged else "open" if incomplete else "none"
     sentences = "".join(map(page.paragraph, answer))
     body = [
         page.heading(title, 1),

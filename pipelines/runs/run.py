@@ -176,7 +176,7 @@ class _Files:
         resolved = loaded.resolved(own_control=own_control)
         (self._folder / run_folder.RESOLVED).write_text(resolved, encoding="utf-8")
         needed = plan.graph.needed(plan.motions).steps
-        facts = _facts(loaded.name, plan.machine, Outcome({name: results[name] for name in needed}))
+        facts = _facts(loaded.name, plan, Outcome({name: results[name] for name in needed}))
         write_whole(self._folder / run_folder.RUN, json_text(facts))
         case = plan.cases[0]
         _write_response(self._folder / run_folder.RESPONSE, results[case.own.step].load(), case.own.machine, facts)
@@ -189,7 +189,7 @@ class _Files:
             return
         self._words[VERDICT] = found["words"]
         write_whole(self._folder / f"{VERDICT}.json", json_text({"cases": found["cases"]}))
-        (self._folder / f"{VERDICT}.txt").write_text(found["words"], encoding="utf-8")
+        (self._folder / run_folder.VERDICT).write_text(found["words"], encoding="utf-8")
 
     def _write_diagnosis(self, found: Mapping[str, Any]) -> None:
         for name, content in found["files"].items():
@@ -206,20 +206,21 @@ class _Files:
     def _write_report(self, found: Mapping[str, Any]) -> None:
         from pipelines.report.report import write_report
 
-        facts = _facts(self._loaded.name, self._plan.machine, self.outcome)
+        facts = _facts(self._loaded.name, self._plan, self.outcome)
         write_report(self._folder / run_folder.REPORT, self._plan.machine.title, found["body"], facts)
         write_whole(self._folder / run_folder.RUN, json_text(facts))
         self.left_out += found["left_out"]
 
 
-def _facts(name: str, machine: MachineModel, outcome: Outcome) -> dict[str, Any]:
+def _facts(name: str, plan: RunPlan, outcome: Outcome) -> dict[str, Any]:
     """Of the steps so far: versions, models and keys, the same for the same result; ledger and cost. `name` of the
     scene."""
     used = {library: version for record in outcome.records for library, version in record.libraries.items()}
     return {
         "scene": name,
         "versions": {"python": platform.python_version(), **library_versions("gearcase", *_WRITERS), **used},
-        "models": machine.models,
+        "models": plan.machine.models,
+        "baseline": len(plan.baseline),
         "threads per process": 1,
         "keys": {record.name: record.key[:32] for record in outcome.records},
         "ledger": outcome.ledger(),

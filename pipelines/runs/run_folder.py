@@ -24,6 +24,7 @@ CONTROL = "control.nc"
 RESOLVED = "scene.resolved.toml"
 ASKED = "scene.asked.toml"
 RUN = "run.json"
+VERDICT = "verdict.txt"
 REPORT = "report.html"
 LATEST = "latest.txt"
 _LONGEST_NAME = 1000  # bytes of latest.txt

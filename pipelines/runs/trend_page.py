@@ -13,11 +13,6 @@ from pipelines.report import page
 from pipelines.report.figures.trend_plots import trend_figure
 from pipelines.runs.judged_recording import JudgedFile, files_grid
 
-_CAPTION = (
-    " of every recording. Dashed: limit. Shaded: range of the healthy recordings. Red: the limit is reached; the title "
-    "gives the number of the first such recording."
-)
-
 
 def write_trend_page(
     path: Path, names: Sequence[str], judged: Sequence[JudgedFile], order: str, timed: bool, courses: Sequence[Course]
@@ -39,7 +34,21 @@ def write_trend_page(
     body = [page.heading(title, 1), page.paragraph(order), page.table(files_grid(names, judged)), f"<p>{links}</p>"]
     for unit, group in groupby(courses, key=lambda one: one.unit):
         what = LEVELS.get(unit, unit.capitalize())
-        body.append(page.section(what, [page.picture(trend_figure(list(group), begins), what + _CAPTION)], opened=True))
+        own = list(group)
+        body.append(page.section(what, [page.picture(trend_figure(own, begins), what + _caption(own))], opened=True))
     body.append(page.section("Values", [page.table(trend_grid(courses))]))
     write_whole(path, page.document(title, body))
     return path
+
+
+def _caption(courses: Sequence[Course]) -> str:
+    """Explanation of what the panels show."""
+    explained = [
+        (any(one.limit is not None for one in courses), " Dashed: limit."),
+        (any(one.healthy is not None for one in courses), " Shaded: range of the healthy recordings."),
+        (
+            any(one.first is not None for one in courses),
+            " Red: the limit is reached; the title gives the number of the first such recording.",
+        ),
+    ]
+    return " of every recording." + "".join(words for shown, words in explained if shown)

@@ -289,6 +289,9 @@ def _unknown_key(
     known = _at(path[:-1], model, tree).keys
     whole = model.__name__.removesuffix("Table").lower()
     message = f"is not a key of [{table}]" if table else f"is not a key of the {whole}"
+    if path[-1].isdecimal():  # [[shafts.2.bearings]] below [[shafts]]
+        name = ".".join(part for part in path if not part.isdecimal())
+        return message, f"Below [[{name}]] write its tables without the number: [{name}.NAME] or [[{name}.NAME]]."
     if other_models := _models_with(path, model, tree):
         return message, f"It belongs to {' or '.join(other_models)}: set that, or delete the key."
     near = RENAMED.get(".".join(path)) or nearest(path[-1], known)

@@ -69,7 +69,7 @@ def words(full: list[Diagnosis]) -> str:
     """The tables of lines of the diagnoses."""
     from pipelines.diagnosis.line_words import criterion, lines_grid
 
-    parts = [criterion(full[0].settings)]
+    parts = [criterion(full[0])]
     for diagnosis in full:
         parts += [lines_grid(diagnosis, window).to_text() for window in diagnosis.settings.windows]
     return "\n\n".join(parts) + "\n"

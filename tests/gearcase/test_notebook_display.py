@@ -101,9 +101,10 @@ def test_a_verdict_shows_its_findings():
         at_speed=False,
         outlying=(),
         tested=0,
-        false_differences=0,
-        false_alarms=0,
+        false_differences=(),
+        false_alarms=(),
         left_out=(),
+        not_examined=(),
     )
     assert cells(found._repr_html_())[1] == ["<wheel>", "+12.0", "top z", "0.0005", "-", "pinion"]
     assert repr(found) == "<Verdict: damaged, against 20 healthy recordings; first <wheel>, +12.0 dB>"

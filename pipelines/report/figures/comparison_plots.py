@@ -20,6 +20,7 @@ MESH_ORDERS = 3  # of the fastest mesh, in the spectra
 SIDEBANDS = 6  # on either side of a mesh order
 ENVELOPE_ORDERS = 10.0  # least range of the envelope spectra
 _NO_WIDTH = str.maketrans("", "", "${}_")  # characters of formulas that are not shown
+_NAME = 0.09  # of the height of a panel: row of names
 BEHIND = "#c9c9c9"  # the first recording, behind the others
 
 
@@ -84,11 +85,12 @@ def spectra_figure(found: Curves, names: Sequence[str], kinematics: Kinematics) 
 def envelopes_figure(found: Curves, names: Sequence[str], kinematics: Kinematics) -> Figure:
     """Order spectra of the squared envelope, with the orders of the shafts and of the bearings marked."""
     marks = {plain(shaft.name): shaft.ratio for shaft in kinematics.shafts}
-    passes = {
-        plain(strike): order * kinematics.shaft(bearing.shaft).ratio
-        for bearing in kinematics.bearings
-        for strike, order in bearing.strikes.items()
-    }
+    bearings: dict[tuple[str, float], list[str]] = {}  # by part and order
+    for bearing in kinematics.bearings:
+        for strike, order in bearing.strikes.items():
+            place = strike.removeprefix(bearing.name), order * kinematics.shaft(bearing.shaft).ratio
+            bearings.setdefault(place, []).append(bearing.name)
+    passes = {plain(", ".join(names) + part): order for (part, order), names in bearings.items()}
     top = min(float(found.orders[-1]), max(ENVELOPE_ORDERS, 2.2 * max(passes.values(), default=0.0)))
     low, high = found.band
     title = (
@@ -178,23 +180,26 @@ def _panels(
     """A panel for each recording with the first one behind; the first panel has the names of the marks."""
     figure = new_figure(0.9 + 1.7 * len(names))
     panels = figure.subplots(len(names), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
-    shown = (orders > span[0]) & (orders <= span[1])
+    shown, lines = (orders > span[0]) & (orders <= span[1]), 0
     for number, (axes, name, row) in enumerate(zip(panels, names, rows, strict=True)):
         if number:
             axes.semilogy(orders[shown], rows[0][shown], color=BEHIND, lw=0.9)
         axes.semilogy(orders[shown], row[shown], color=SECOND if number else FIRST, lw=0.8)
         axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a logarithmic axis take half the time of a figure
-        _mark(axes, {label: order for label, order in marks.items() if order <= span[1]}, span, named=not number)
+        inside = {label: order for label, order in marks.items() if order <= span[1]}
+        lines = max(lines, _mark(axes, inside, span, named=not number))
         dress(axes, plain(name), "order of the first shaft" if number == len(names) - 1 else "", unit)
-    high = 4.0 * float(rows[:, shown].max())
-    panels[0].set_ylim(max(0.5 * float(np.min(rows[:, shown])), high / 10**DECADES), high)
+    high = 2.0 * float(rows[:, shown].max())
+    low = max(0.5 * float(np.min(rows[:, shown])), high / 10**DECADES)
+    share = 1.0 - min(_NAME * lines, 0.6)  # of the height for the curves, below the names
+    panels[0].set_ylim(low, low * (high / low) ** (1.0 / share))
     panels[0].set_xlim(*span)
     figure.suptitle(plain(title))
     return figure
 
 
-def _mark(axes: Axes, marks: Mapping[str, float], span: tuple[float, float], *, named: bool) -> None:
-    """Dashed lines; names of lines that are close are in rows below each other."""
+def _mark(axes: Axes, marks: Mapping[str, float], span: tuple[float, float], *, named: bool) -> int:
+    """Dashed lines; names of lines that are close are in rows below each other. Returns the number of rows."""
     letter = LETTER / WIDTH * (span[1] - span[0])
     ends: list[float] = []  # of the last name in each row
     for label, order in sorted(marks.items(), key=lambda one: one[1]):
@@ -205,7 +210,9 @@ def _mark(axes: Axes, marks: Mapping[str, float], span: tuple[float, float], *, 
             axes.annotate(
                 label, (order, 1.0), xycoords=("data", "axes fraction"), xytext=(2, -2 - 10 * row),
                 textcoords="offset points", ha="left", va="top", fontsize=8, color=MARK,
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
             )  # fmt: skip
+    return len(ends)
 
 
 def _blocks(found: Curves) -> str:

@@ -10,7 +10,7 @@ from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from pipelines.diagnosis.trend import Course
+from pipelines.diagnosis.trend import LEVELS, Course
 from pipelines.report.figures.plots import FAULTY, HEALTHY, MARK, dress, fixed_figure, plain
 
 COLUMNS = 3
@@ -46,7 +46,8 @@ def trend_figure(courses: Sequence[Course], begins: Sequence[datetime] | None) -
             axes.xaxis.set_major_locator(dates)
             axes.xaxis.set_major_formatter(ConciseDateFormatter(dates))
         axes.yaxis.set_major_locator(MaxNLocator(4))
+        name = course.name.partition(" ")[2] if course.unit in LEVELS else course.name  # the page names the level
         first = "" if course.first is None else f", above {'from' if course.above[-1] else 'at'} {course.first}"
         last = begins is None and number + COLUMNS >= len(courses)
-        dress(axes, plain(course.name) + first, "recording" if last else "", "" if number % COLUMNS else course.unit)
+        dress(axes, plain(name) + first, "recording" if last else "", "" if number % COLUMNS else course.unit)
     return figure

@@ -116,14 +116,18 @@ def confirmed(tables: Sequence[FeatureTable]) -> list[FeatureTable]:
 
 
 def with_common_components(tables: Sequence[FeatureTable]) -> list[FeatureTable]:
-    """The tables with the components that all of them have; the others are added to `left_out`."""
+    """The tables with the components that all of them have; the others are added to `left_out`.
+
+    The reason is that of the first recording that lacks the component.
+    """
     tables = confirmed(tables)
     common = set.intersection(*(set(table.component) for table in tables))
+    reasons = dict(one.split(": ", 1) for table in reversed(tables) for one in table.left_out)
     found = []
     for table in tables:
-        dropped = [name for name in dict.fromkeys(table.component) if name not in common]
-        reason = (f"{', '.join(dropped)}: in some recordings their speed is conditional or too low",)
-        found.append(_without(table, dropped, reason if dropped else ()))
+        here = {one.partition(": ")[0] for one in table.left_out}
+        elsewhere = tuple(f"{name}: in another recording {why}" for name, why in reasons.items() if name not in here)
+        found.append(_without(table, set(table.component) - common, elsewhere))
     return found
 
 

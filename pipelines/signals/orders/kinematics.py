@@ -5,7 +5,7 @@ Orders are cycles per revolution of a shaft and do not depend on the speed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 
 GUARD_ORDER = 10.0  # of the fastest shaft: lower end of the band of envelopes if no numbers of teeth are known
@@ -81,6 +81,12 @@ class Kinematics:
         places = {gear.name: gear.shaft for gear in self.gears}
         places |= {strike: bearing.shaft for bearing in self.bearings for strike in bearing.strikes}
         return places.get(component, component)
+
+    def without(self, found: Set[str]) -> tuple[str, ...]:
+        """The gears, shafts and bearings that are not among some components, of a bearing none of its parts."""
+        parts = {name: {name} for name in [gear.name for gear in self.gears] + [shaft.name for shaft in self.shafts]}
+        parts |= {bearing.name: set(bearing.strikes) for bearing in self.bearings}
+        return tuple(name for name, own in parts.items() if not own & found)
 
     @property
     def envelope_order(self) -> float:

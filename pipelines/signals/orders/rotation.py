@@ -41,6 +41,15 @@ class Rotation:
         return self.absolute and self.mark in ("", shaft)
 
     @property
+    def origin(self) -> str:
+        """Uncertainty and source of the speed, and the shafts of conditional speed, as text behind a speed."""
+        known = f" (known to {100 * self.error:.1g} %)" if self.error else ""
+        conditional = "".join(
+            f" The speed of {shaft} is conditional: {reason}." for shaft, reason in self.conditional.items()
+        )
+        return f"{known}. Source: {self.source}.{conditional}"
+
+    @property
     def turns(self) -> float:
         """Turns of the first shaft from the first to the last sample."""
         return float(self.angle[-1] - self.angle[0]) / (2.0 * np.pi)

@@ -27,7 +27,7 @@ from pipelines.runs.judged_recording import SAME_SPEED, read_features, recording
 from pipelines.scene.load_scene import LoadedScene
 from pipelines.signals.features.feature_table import WHOLE
 from pipelines.studies.calibrate.free_keys import AFTER, BEFORE, FEWEST, STATE, Free, agreement_plan, calibration_plan
-from pipelines.studies.calibrate.posterior import check_installed, emulator, sample
+from pipelines.studies.calibrate.posterior import emulator, sample
 from pipelines.studies.spread.population_spread import MEAN, line_levels
 
 _LOG = logging.getLogger(__name__)
@@ -105,11 +105,10 @@ def calibrate(
 
     Raises
     ------
-    InputError : an extra is not installed, a free key cannot be used, too few runs have features, or no feature of the
+    InputError : a free key cannot be used, too few runs have features, or no feature of the
         recordings is in all of them
     SceneError, WorkError : see `pipelines.datasets.campaign.run_campaign`
     """
-    check_installed()
     plan = calibration_plan(loaded, machine, free, count)
     windows, (observed, unused) = _windows(machine), recorded
     noise = machine.monitored.noise

@@ -13,6 +13,7 @@ from pipelines.datasets.dataset_check import check_dataset
 from pipelines.datasets.rows import TABLE, read_row, row_path, write_row, write_table
 from pipelines.datasets.store import SIGNALS, chunk_path, write_run
 from pipelines.datasets.summary import stretches, summarised
+from pipelines.datasets.variables_grid import varied_grid
 
 
 @pytest.fixture(scope="module")
@@ -167,6 +168,16 @@ def test_every_way_to_vary_has_its_words(tmp_path):
     text = summarised(make_dataset(tmp_path / "ways", plan)).to_text()
     assert "norm of scipy.stats (loc 110, scale 5), cut off from 100" in text
     assert "one of healthy (25 %), missing (75 %)" in text
+    assert max(len(line) for line in text.splitlines()) <= 100
+
+
+def test_keys_of_many_bearings_that_a_variable_sets_are_one():
+    bearings = {str(number): {"cage_slip": "$slip"} for number in range(1, 5)}
+    shafts = {str(number): {"bearings": bearings} for number in range(1, 5)}
+    variable = {"from": 0.0, "to": 1.0}
+    plan = {"variables": {"slip": variable}, "cases": {}, "settings": {"shafts": shafts, "stages": {"1": {"a": "$z"}}}}
+    assert varied_grid(plan, {}).rows[0][2] == "shafts.*.bearings.*.cage_slip"
+    assert varied_grid(plan | {"variables": {"z": variable}}, {}).rows[0][2] == "stages.1.a"
 
 
 def test_stretches_of_runs():

@@ -192,6 +192,13 @@ def test_files_of_a_folder_are_one_table_and_one_without_features_is_named(tmp_p
     with open("table.csv", encoding="utf-8") as file:
         assert {line.split(",")[0].strip('"') for line in file} == {"recording", "records/a.npy", "records/b.npy"}
     caplog.clear()
+    text = "teeth = [[20, 31]]\nrate_Hz = 5000\nspeed = { rpm = 1490, uncertainty_percent = 1 }\n"
+    text += "bearings = [{ name = 'DE', shaft = 1, BPFO = 3.585, BPFI = 5.415 }]\n"
+    (tmp_path / "rough.toml").write_text(text)
+    assert main(["features", "records", "--machine", "rough.toml", "--processes", "1", "--out", "rough.csv"]) == 0
+    assert "no features of shaft_1 (stage 1 pinion) in 2 signals. The first: recording records/a.npy: " in caplog.text
+    assert "set speed_rpm in place of speed" in caplog.text
+    caplog.clear()
     capsys.readouterr()
     assert main([*arguments[:1], "records/short.npy", "nosuch", *arguments[2:]]) == 2
     said = caplog.text + capsys.readouterr().err

@@ -3,17 +3,19 @@
 import csv
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import gearcase
 from pipelines.cli.main import main
 from pipelines.diagnosis.comparison.compared_features import features_of, most_different_shaft
 from pipelines.diagnosis.comparison.compared_recording import brought_together, compared_recording
 from pipelines.diagnosis.comparison.curves import curves
-from pipelines.report.figures.comparison_plots import _mark
+from pipelines.report.figures.comparison_plots import _mark, envelopes_figure
 from pipelines.report.figures.plots import new_figure
 from pipelines.scene.load_scene import load_scene
 from pipelines.signals.features.synchronous_averages import FEWEST_TURNS
@@ -197,6 +199,24 @@ def write(path, signal, rate=10_000.0):
         writer.writerows(
             [[f"{value:.9g}" for value in row] for row in zip(time, signal, 0.5 * signal, pulses, strict=True)]
         )
+
+
+def test_names_of_orders_are_above_the_curves_and_do_not_overlap():
+    orders = {"BPFO": 3.58, "BPFI": 5.42, "BSF": 2.36, "FTF": 0.4}
+    bearings = tuple(Bearing(name=f"bearing_{n}", shaft=f"shaft_{1 + n // 3}", orders=orders) for n in range(1, 5))
+    shafts = (Shaft(name="shaft_1", ratio=1.0), Shaft(name="shaft_2", ratio=0.47))
+    place = np.arange(1, 2000) / 100.0
+    rows = np.stack([1e-2 + np.exp(-((place - 3.58) ** 2) / 1e-3)] * 2)
+    found = SimpleNamespace(orders=place, envelope=rows, channel=("a", "z"), band=(1.0, 2.0), turns=64)
+    figure = envelopes_figure(found, ["A", "B"], Kinematics(shafts=shafts, bearings=bearings))
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    axes = figure.axes[0]
+    assert "bearing_1, bearing_2 BPFO" in [text.get_text() for text in axes.texts]
+    boxes = [text.get_window_extent(canvas.get_renderer()) for text in axes.texts]
+    assert not any(one.overlaps(other) for n, one in enumerate(boxes) for other in boxes[:n])
+    top = axes.transData.transform((1.0, rows.max()))[1]
+    assert min(box.y0 for box in boxes) > top
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import xarray
 from synthetic import MESH, RATE, WHEEL, response
 
 from pipelines.diagnosis.control_diagnosis import DiagnosisError, DiagnosisSettings, diagnose
-from pipelines.diagnosis.line_words import directions, lines_grid, markdown, modulation, seeds_grid
+from pipelines.diagnosis.line_words import criterion, directions, lines_grid, markdown, modulation, seeds_grid
 from pipelines.diagnosis.result_export import save_diagnoses
 from pipelines.signals.analysis import analyse, envelope_band
 from pipelines.signals.line_table import LineTable
@@ -52,6 +52,14 @@ def test_lines_of_a_clear_fault_are_detected(clear):
     assert len(clear.lines) == 2 * (5 + 2 * 9)
     assert lifting.where(kind="sideband").detected.sum() == 16
     assert lifting.where(kind="envelope").detected.sum() == 4  # run-out masks the first
+
+
+def test_no_line_of_a_run_that_differs_from_its_control_by_chance_is_detected(clear):
+    found = diagnose(response().assign_attrs(repeatable_until_s=1.2), response("healthy"), settings())
+    assert clear.lines.detected.any()
+    assert not found.lines.detected.any()
+    np.testing.assert_array_equal(found.lines.difference, clear.lines.difference)
+    assert criterion(found).startswith("No line is marked as detected: the motion is chaotic")
 
 
 def test_equal_runs_show_nothing():

@@ -138,6 +138,14 @@ def test_lines_of_the_shaft_are_no_impacts_of_a_bearing(tmp_path, seed):
     assert file_words(found).startswith("No damage of a bearing is clear.")
 
 
+@pytest.mark.parametrize(("uncertainty", "useful"), [("0.3", False), ("0.01", True)])
+def test_healthy_recordings_are_requested_only_for_components_that_they_help_to_diagnose(tmp_path, uncertainty, useful):
+    machine = MACHINE.replace("uncertainty_percent = 0.3", f"uncertainty_percent = {uncertainty}")
+    words = file_words(judged(tmp_path, unbalanced(np.random.default_rng(0)), machine))
+    assert ("Give healthy recordings to diagnose shaft_1: --baseline" in words) == useful
+    assert ("--baseline" in words) == useful
+
+
 def test_one_line_however_strong_is_no_comb():
     turns, places = 100, 256
     envelope = 1.0 + np.cos(2.0 * np.pi * OUTER * np.arange(turns * places) / places)

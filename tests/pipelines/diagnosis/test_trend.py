@@ -6,10 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from test_impacts import INNER, MACHINE, RATE, impacts, unbalanced
 
 from pipelines.cli.main import main
-from pipelines.diagnosis.trend import level_courses
+from pipelines.diagnosis.trend import Course, level_courses
+from pipelines.report.figures.trend_plots import trend_figure
 from pipelines.signals.levels import ChannelLevel
 
 SIZES = (0.0, 0.0, 0.05, 1.0, 2.0)  # of the impacts, by day
@@ -68,9 +70,20 @@ def test_the_page_of_a_trend_has_its_figures_and_the_pages_of_its_recordings(fol
     assert re.fullmatch(r"DE BPFI +impacts dB +- +20.00 +2 +[\d.]+ +[\d.]+", rows[-1])
     shown = Path("seen/report.html").read_text(encoding="utf-8")
     assert shown.count("<figure") == 3  # impacts, acceleration, velocity
+    assert "Dashed: limit." in shown
+    assert "Shaded" not in shown  # without healthy recordings
     links = re.findall('<a href="([^"]+)"', shown)
     assert links == ["1/report.html", "2/report.html"]
     assert all(Path("seen", link).is_file() for link in links)
+
+
+def test_the_title_of_a_panel_is_within_the_figure(folder):
+    names = [f"velocity gearbox_drive_end_{number} z" for number in range(3)]
+    values = {"values": np.arange(3.0), "above": np.array([False, True, True]), "limit": 1.0, "healthy": None}
+    figure = trend_figure([Course(name=name, unit="mm/s", **values) for name in names], None)
+    titles = [axes.title for axes in figure.axes] + [axes._left_title for axes in figure.axes]
+    ends = [title.get_window_extent(FigureCanvasAgg(figure).get_renderer()).x1 for title in titles]
+    assert max(ends) <= figure.bbox.x1
 
 
 def test_the_tables_of_thirty_recordings_are_readable_in_100_columns(folder, capsys):

@@ -73,8 +73,9 @@ def test_the_average_is_that_of_the_gear_that_is_damaged(damaged, shown):
         at_speed=False,
         outlying=(),
         tested=8,
-        false_differences=0,
-        false_alarms=0,
+        false_differences=(),
+        false_alarms=(),
         left_out=(),
+        not_examined=(),
     )
     assert shown_gear(machine, verdict, kinematics_of(machine.layout, ())).name == shown

@@ -10,7 +10,7 @@ import pytest
 from pipelines.cli.main import main
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
-from pipelines.runs.kept_runs import kept_runs
+from pipelines.runs.kept_runs import differing, kept_runs
 from pipelines.runs.removed_runs import runs_to_remove
 from pipelines.runs.run import run_scene
 from pipelines.runs.run_folder import find_run, note_latest
@@ -81,6 +81,19 @@ def test_the_list_shows_what_sets_runs_of_a_scene_apart_and_nothing_else(here, c
     assert "not diagnosed" in text
     assert main(["runs", "list", "bench"]) == 0
     assert "minimal" not in capsys.readouterr().out
+
+
+def test_runs_with_other_baselines_differ_in_them(here):
+    for name, count in (("first", 0), ("second", 8)):
+        (here / "runs" / "minimal" / name / "run.json").write_text(json.dumps({"baseline": count}), encoding="utf-8")
+    _, second, first = kept_runs(here / "runs", NOW)
+    unlike = differing([second, first])
+    assert [unlike[run.number]["--baseline"] for run in (second, first)] == [8, 0]
+
+
+def test_the_table_of_lines_is_no_verdict(here):
+    (here / "runs" / "minimal" / "first" / "diagnosis.txt").write_text("A line is marked as detected.")
+    assert kept_runs(here / "runs", NOW)[2].verdict == ""
 
 
 def test_a_spoiled_scene_file_hides_no_run(here):

@@ -132,6 +132,14 @@ def test_a_key_that_stands_elsewhere_or_is_missing_is_answered_with_what_to_writ
     assert text in str(raised.value)
 
 
+def test_a_list_in_an_item_of_a_list_is_written_without_the_number_of_the_item(tmp_path):
+    table = '[[shafts]]\nbearing_positions_mm = [0, 50]\n[[shafts.%sbearings]]\nmodel = "rigid"\n'
+    found = problems(write(tmp_path, 'extends = "minimal"\n' + table % "1."))
+    assert found["shafts.1.1"].endswith("write its tables without the number: [shafts.NAME] or [[shafts.NAME]].")
+    found = problems(write(tmp_path, 'extends = "minimal"\n' + table % ""))
+    assert not any("bearings" in path for path in found)
+
+
 def test_a_number_outside_its_range_is_one_problem_though_a_list_is_possible():
     with pytest.raises(SceneError) as raised:
         load_scene("bench", ["casing.damping_ratio=5"])

@@ -1,5 +1,6 @@
 """Calibration: posteriors of models that have a known one; keys without influence on a recording keep their prior."""
 
+import argparse
 import re
 import sys
 
@@ -7,13 +8,14 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from pipelines.cli import calibrate
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.recordings.machine_file import read_machine
 from pipelines.scene.load_scene import load_scene
 from pipelines.studies.calibrate.calibration import IDENTIFIABLE, Calibration, recorded_levels
 from pipelines.studies.calibrate.free_keys import AFTER, Free, agreement_plan, calibration_plan, parse_free
-from pipelines.studies.calibrate.posterior import check_installed, emulator, sample
+from pipelines.studies.calibrate.posterior import emulator, sample
 
 pytest.importorskip("emcee")
 SCATTER = 0.7  # dB
@@ -91,10 +93,18 @@ def test_free_keys_that_cannot_be_used_are_refused_with_the_reason(given, messag
         calibration_plan(loaded, machine, [parse_free(one) for one in given], 50)
 
 
+@pytest.mark.parametrize("scene", ["minimal", "bench", "rig-healthy"])
+def test_the_key_of_the_remedy_is_one_of_the_scene(scene):
+    with pytest.raises(InputError) as refused:
+        parse_free("load")
+    example = parse_free(re.search(r"such as (\S+)\.$", str(refused.value))[1])
+    assert load_scene(scene, {example.key: example.low}).scene.casing.damping_ratio == example.low
+
+
 def test_a_missing_library_is_named_with_the_command_that_installs_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "emcee", None)
     with pytest.raises(InputError, match=r"pip install 'gearcase\[calibrate\]'"):
-        check_installed()
+        next(calibrate.main(argparse.Namespace(dry_run=True)))  # before the plan, which would be of no use
 
 
 def test_recordings_without_a_channel_of_the_scene_are_refused_before_anything_is_simulated(tmp_path, caplog):
