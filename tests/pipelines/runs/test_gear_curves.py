@@ -108,6 +108,14 @@ def test_other_modifications_of_the_scene_stay_with_the_searched_reliefs():
     assert not np.isclose(found[0], found[2]).any()
 
 
+def test_a_relief_lowers_the_secant_stiffness_and_hardly_the_tangent_stiffness():
+    relief = {f"stages.1.{gear}.tip_relief": {"amount_um": 6.0, "length_mm": 6.0} for gear in ("pinion", "wheel")}
+    pairs = [pair(), pair(**relief)]
+    none, relieved = (gear_rows([one], gear_curves([one], [MeshState(force=6000.0, tilt=0.0)]))[-1] for one in pairs)
+    assert relieved["secant N/um"] < 0.95 * none["secant N/um"]
+    assert relieved["tangent N/um"] == pytest.approx(none["tangent N/um"], rel=0.03)
+
+
 def test_amounts_end_at_the_limit_of_their_key():
     """Above 0.1 modules (0.3 mm) no relief can be set."""
     assert searched({}, force=1e6).designs.task.variables.given[0].values[-1] == 296
