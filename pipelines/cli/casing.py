@@ -162,7 +162,7 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
     if casing.error is not None:
         yield casing.error.report()
     yield f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} outputs"
-    for name, (x, y, z) in zip(body.point_names, body.point_positions * 1000, strict=True):
+    for name, (x, y, z) in zip(body.point_names, (1000 * body.point_positions).round(2) + 0.0, strict=True):
         yield f"  {name:10} x {x:8.2f}  y {y:8.2f}  z {z:8.2f} mm"
     if body.feet:
         yield weight_lines(body)

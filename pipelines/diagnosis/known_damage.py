@@ -98,6 +98,7 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
             evidence += _tooth_words(damage, [one.tooth for _, one in findings])
         else:
             evidence.append(f"Nearest evidence of damage: {_nearest(cases, damage)}.")
+            evidence.append("`gearcase detect` finds the size of damage that is detected.")
     return [" ".join(answers), *evidence, *verdict_words.compared(cases[0].verdict)]
 
 

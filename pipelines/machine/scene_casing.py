@@ -75,8 +75,10 @@ def _shaped(table: FlexibleBase, made: Geometry) -> Structure:
 
     Raises
     ------
-    SceneError : bolts that do not fit, or element sizes by wavelength for a wall whose thickness is not known
+    SceneError : no material, bolts that do not fit, or element sizes by wavelength for a wall of unknown thickness
     """
+    if table.material is None:
+        raise SceneError("scene", [Problem("casing.material", "is missing", "Set this table: material of the housing")])
     thinnest = made.thinnest_wall if isinstance(made, Housing) else table.housing.si.wall_thickness
     if thinnest is None and getattr(table, "elements_per_wavelength", None) is not None:
         problem = "is needed for casing.elements_per_wavelength of a housing from a file"

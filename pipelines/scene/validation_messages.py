@@ -248,6 +248,7 @@ _LIMITS = {
 }
 _USUAL = {  # by the unit of a key: other units, factors, and usual values
     "GPa": ((("MPa", 1e-3), ("Pa", 1e-9)), 1.0, 2000.0),
+    "mm": ((("m", 1e3),), 0.05, 10e3),
     "kg/m3": ((("g/cm3", 1e3), ("t/mm3", 1e12)), 500.0, 25e3),
 }
 _TABLE = ("must be a table", "Write it as { key = value }, or write its keys below a line with its name in brackets.")

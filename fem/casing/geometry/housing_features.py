@@ -44,7 +44,7 @@ class Feet:
         key="foot_length_mm",
         gt=0,
         le=LARGEST,
-        text="side of the feet along x; along y they reach as far below the floor, and foot_overhang_mm beyond the wall",
+        text="side of the feet along x; along y their length below the floor, to which foot_overhang_mm is added",
     )
     height: float = option(
         0.015, unit="mm", key="foot_height_mm", gt=0, le=LARGEST, text="height of the feet below the floor"

@@ -111,7 +111,7 @@ def estimate(trains: Sequence[Drivetrain]) -> str:
     return (
         f"{_simulations(len(costs))} of {costs[0].steps:.3g} time steps and "
         f"{costs[0].samples:.3g} samples of {signals} signals: about {duration(sum(one.seconds for one in costs))} on "
-        f"one core for the motion (mesh laws and casing not included), {words(_MEMORY)} of memory, "
+        f"one idle core for the motion (mesh laws and casing not included), {words(_MEMORY)} of memory, "
         f"{words(sum(_bytes(trains)))} on disk"
     )
 

@@ -31,7 +31,9 @@ class FlexibleBase(DerivedTable):
     """What every casing with a housing has besides the options of its model."""
 
     housing: Annotated[HousingModel, Field(description="shape and supports of the housing")]
-    material: Annotated[MaterialTable, Field(description="material of the housing")]
+    material: Annotated[
+        MaterialTable | None, Field(description="material of the housing; not needed for a housing of matrices")
+    ] = None
 
     @model_validator(mode="after")
     def _hexahedra(self) -> FlexibleBase:

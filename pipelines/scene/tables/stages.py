@@ -27,7 +27,7 @@ class StageTable(Table):
     ] = None
     pinion_teeth: Annotated[Whole, Field(ge=8, le=400, description="number of teeth z1")]
     wheel_teeth: Annotated[Whole, Field(ge=8, le=400, description="number of teeth z2")]
-    module_mm: Annotated[Number, Field(gt=0, le=60, description="normal module m_n")]
+    module_mm: Annotated[Number, Field(ge=0.05, le=60, description="normal module m_n")]
     pressure_angle_deg: Annotated[Number, Field(gt=5, lt=35, description="normal pressure angle alpha_n")] = 20.0
     helix_angle_deg: Annotated[Number, Field(ge=0, le=40, description="helix angle beta at the reference circle")] = 0.0
     pinion_hand: Annotated[Literal["right", "left"], Field(description="hand of the helix of the pinion")] = "right"

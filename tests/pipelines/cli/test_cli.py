@@ -87,7 +87,11 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
     ("arguments", "words"),
     [
         (["check", "minimal", "--set", "stages.1.face_widht_mm=12"], "Did you mean face_width_mm?"),
-        (["check", "minimal", "--set", "stages.1.module_mm=-2"], "stages.1.module_mm = -2: must be greater than 0"),
+        (["check", "minimal", "--set", "stages.1.module_mm=-2"], "stages.1.module_mm = -2: must be at least 0.05 mm"),
+        (
+            ["check", "minimal", "--set", "stages.1.module_mm=0.0025"],
+            "must be at least 0.05 mm. Convert it if it is in m: 0.0025 m = 2.5 mm.",
+        ),
         (["check", "minimal", "--set", "stages.1.face_width_mm=0"], "stages.1.face_width_mm = 0: must be greater"),
         (
             ["check", "minimal", "--set", "gear_material.elastic_modulus_GPa=210000"],

@@ -234,6 +234,7 @@ def test_against_a_control_known_damage_is_found_with_its_evidence_and_tooth():
     alone = " ".join(case_sentences(cases[1:], [damage]))
     nearest = r"not found\. Nearest evidence of damage: .* \(down, torque load, deviations of seed 1\), .* is [+-]\d"
     assert re.search(nearest + r".*\(limit: \d.*stage 1 pinion.*\(limit: \d", alone)
+    assert "`gearcase detect` finds the size" in alone
     elsewhere = " ".join(case_sentences(cases[:1], [dataclasses.replace(damage, tooth=3)]))
     assert "). The impact begins at tooth 7, not at tooth 3. The reference is" in elsewhere
     crack = dataclasses.replace(damage, tooth=3, words="cracked tooth 3 of the stage 1 pinion")

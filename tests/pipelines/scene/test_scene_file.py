@@ -151,7 +151,7 @@ def test_a_number_outside_its_range_is_one_problem_though_a_list_is_possible():
 def test_every_problem_is_listed_at_once_with_value_limit_and_remedy(tmp_path):
     found = problems(write(tmp_path, BAD), "stages.2.face_width_mm=0", "a..b=2", "x", "load.q=[1")
     expected = {
-        "stages.1.module_mm": f"stages.1.module_mm = -2: {POSITIVE}",
+        "stages.1.module_mm": "stages.1.module_mm = -2: must be at least 0.05 mm. Correct the value.",
         "stages.2.face_width_mm": f"stages.2.face_width_mm = 0: {POSITIVE}",
         "stages.1.face_widht_mm": "stages.1.face_widht_mm = 12: is not a key of [stages.1]. "
         "Did you mean face_width_mm?",

@@ -249,6 +249,15 @@ def star(tmp_path_factory):
     return arrays, path, casing | {"sensors": [sensor]}
 
 
+def test_a_housing_of_matrices_needs_no_material_and_a_shape_does(star):
+    scene = load_scene("minimal", star[2]).scene
+    bare = scene.model_copy(update={"casing": scene.casing.model_copy(update={"material": None})})
+    assert make_machine(bare).structure.material is None
+    shaped = load_scene("minimal").scene
+    with pytest.raises(SceneError, match=r"casing.material: is missing"):
+        make_machine(shaped.model_copy(update={"casing": shaped.casing.model_copy(update={"material": None})}))
+
+
 def test_a_scene_of_matrices_with_a_sensor_at_a_node_is_accepted(star):
     assert check_scene(load_scene("minimal", star[2])).machine.title
 
