@@ -151,16 +151,16 @@ class DesignStudy:
     def edges(self, name: str) -> list[str]:
         """Keys of a candidate at an end of their range beyond which there are other designs.
 
-        These are not 0, the length of a relief without amount, and half of the path of contact, see `relief_lengths`.
+        These are not 0, the start of a relief without amount, and half of the path of contact, see `relief_lengths`.
         """
         pairs = list(zip(self.designs.task.variables.given, self._values(name), strict=True))
-        absent = {over.key.replace("amount_um", "length_mm") for over, value in pairs if not value}
+        absent = tuple(over.key.removesuffix("amount_um") for over, value in pairs if not value)
         longest = 1e3 * relief_lengths(self.designs.task.conditions.pair)[1]
         return [
             over.key
             for over, value in pairs
             if value
-            and over.key not in absent
+            and not over.key.startswith(absent)
             and value in (min(over.values), max(over.values))
             and not (over.key == "both.tip_relief.length_mm" and value >= longest)
         ]

@@ -158,8 +158,8 @@ def test_a_crack_alone_has_one_state_because_the_elements_are_those_of_a_healthy
         machine = scene_graph(load_scene("minimal", {"faults": list(faults)}))[1]
         return [step.name for step in _stress_steps(machine, 1, 24, LOAD)[1:]]
 
-    assert names(crack) == ["healthy_stress_1"]
-    assert names(crack, gone) == ["healthy_stress_1", "faulty_stress_1"]
+    assert names(crack) == ["stress of healthy teeth of stage 1"]
+    assert names(crack, gone) == [f"stress of {state} teeth of stage 1" for state in ("healthy", "faulty")]
 
 
 @pytest.mark.parametrize("ending", [".vtu", ".inp", ".msh", ".bdf"])

@@ -128,6 +128,14 @@ def test_the_default_lengths_contain_the_best_one_of_a_helical_pair():
     assert study.designs.objectives.min() < 1.05 * far.designs.objectives.min()
 
 
+@pytest.mark.parametrize("start", ["length_mm=0.1,0.2", "diameter_mm=53.0,53.2"])
+def test_the_start_of_a_relief_without_amount_is_not_at_an_edge(start):
+    """Short reliefs increase the transmission error of this pair."""
+    study = found(vary=("pinion.tip_relief.amount_um=0,40", f"pinion.tip_relief.{start}"))
+    assert study.rows()[-1]["pinion.tip_relief.amount_um"] == 0
+    assert study.edges("A") == []
+
+
 def test_the_toml_of_the_page_makes_the_recommended_design(tmp_path):
     page = tmp_path / "design.html"
     assert main(["design", "bench", "--vary", VARY[0], "--vary", VARY[1], "--out", str(page)]) == 0
