@@ -15,6 +15,7 @@ from fem.gears.geometry import GearPair
 from fem.gears.modifications import LARGEST_PART, PairModifications, relief_lengths
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
+from pipelines.machine.checks.strength import refuse_overload
 from pipelines.runs.load_map import TORQUE_SHARES
 from pipelines.runs.root_stress import root_step
 from pipelines.runs.single_results import scene_graph
@@ -236,6 +237,8 @@ def _task(loaded: LoadedScene, machine: MachineModel, options: DesignOptions, la
     number, sampled = options.stage - 1, options.samples > 0
     pair, sense = machine.flanks[number].pair, machine.layout.pinion_senses[number]
     radius, scene_force = pair.pinion.base_radius, machine.facts.stages[number].shown_force
+    for torque in options.torques:
+        refuse_overload(options.stage, pair, torque)
     torques = tuple(sorted(set(options.torques))) or tuple(share * scene_force * radius for share in TORQUE_SHARES)
     forces = tuple(torque / radius for torque in torques)
     deflection = stiffness_curve(law, forces[-1]).transmission_error.max()  # warns if the law ends too early

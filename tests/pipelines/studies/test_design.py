@@ -87,6 +87,7 @@ def test_a_limit_that_is_exceeded_between_the_positions_of_the_search_is_stated(
         ({"vary": ("tip_relief=0:10",)}, r"gear is missing\. Start with pinion\., .*both.tip_relief\. Keys are tip_"),
         ({"stage": 2}, "there is no such stage"),
         ({"torques": (-1.0, 40.0)}, "torques = -1.0: must be a number of at least 1e-06"),
+        ({"torques": (1e5,)}, r"--torque 100000 N m: stages.1: the line load .* Set at most \d+ N m"),
         ({"seed": -1}, "seed = -1: must be a number of at least 0"),
         ({"minimize": ("presure",)}, "Did you mean pressure"),
         ({"limits": ("te < 1",)}, "is not a limit"),
