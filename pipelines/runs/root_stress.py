@@ -152,7 +152,7 @@ def root_step(machine: MachineModel, stage: int) -> Step:
     from pipelines.steps import stress
 
     return Step(
-        name=f"root_stress_{stage}",
+        name=f"root stress of stage {stage}",
         kind="root-stress",
         build=stress.build_root,
         spec=LawSpec(pair=machine.flanks[stage - 1].pair, mesh=stress_model(machine.laws[stage - 1])),
@@ -175,7 +175,7 @@ def _stress_steps(machine: MachineModel, stage: int, index: int, force: float) -
     pair = modified.pair
     found = [
         Step(
-            name=f"compliance_{stage}",
+            name=f"compliance of stage {stage}",
             kind="compliance",
             build=stress.build_compliance,
             spec=LawSpec(pair=pair, mesh=model),
@@ -190,7 +190,7 @@ def _stress_steps(machine: MachineModel, stage: int, index: int, force: float) -
     for name, spec, (pinion, wheel) in cases:
         found.append(
             Step(
-                name=f"{name}_stress_{stage}",
+                name=f"stress of {name} teeth of stage {stage}",
                 kind="stress",
                 build=stress.build,
                 spec={
@@ -201,7 +201,7 @@ def _stress_steps(machine: MachineModel, stage: int, index: int, force: float) -
                     "pinion_terms": pinion,
                     "wheel_terms": wheel,
                 },
-                takes={"record": f"compliance_{stage}", "laws": f"law_{stage}"},
+                takes={"record": f"compliance of stage {stage}", "laws": f"law_{stage}"},
                 libraries=("numpy", "scipy"),
                 seconds=6.0,
             )

@@ -71,13 +71,14 @@ class LoadedTeeth:
 class RootStress:
     """Stresses on the fillet of the loaded side of one gear by nodal forces on its flanks.
 
-    Places nearer than 0.3 m_n to the start of the active profile are left out, see `SMOOTHED`.
+    Places within 0.3 m_n of a loaded contact in their section are left out, see `SMOOTHED`.
     """
 
     turn: int  # z of the gear is turn * y of the law
     ends: np.ndarray  # m, z of the axial element ends
     xi: np.ndarray  # (position,) uniform grid on the path of contact
     weight: np.ndarray  # (position, row), nodal forces of unit sum
+    distance: np.ndarray  # (position, place), m_n, of the contact from the places on the fillet
     shapes: np.ndarray  # (shape, row and axial node), orthonormal distributions of nodal forces
     stress: np.ndarray  # (shape, pair apart, place, axial node, 6), 1/m2, by them
 
@@ -99,7 +100,7 @@ class RootStress:
         place = (xi - self.xi[0]) / (self.xi[1] - self.xi[0])
         cell = np.minimum(place.astype(int), len(self.xi) - 2)
         part = (place - cell)[..., None]
-        weight = (1 - part) * self.weight[cell] + part * self.weight[cell + 1]
+        weight, distance = ((1 - part) * one[cell] + part * one[cell + 1] for one in (self.weight, self.distance))
         bounds = np.append(0.0, law.slice_width.cumsum()) - law.slice_width.sum() / 2
         means = slice_means(self.ends, bounds)[:: self.turn]
         shapes = self.shapes.reshape(-1, weight.shape[-1], means.shape[1])
@@ -110,7 +111,9 @@ class RootStress:
         for apart in range(-most, most + 1):  # of tooth pair p by the load of p - apart
             seen, by = (slice(max(sign * apart, 0), pairs.shape[1] - max(-sign * apart, 0)) for sign in (1, -1))
             total[:, seen] += single[:, by, apart + reach]
-        return np.asarray(_von_mises(total).max(axis=2))
+        near = (loads[..., None] > 0.0) & (distance < SMOOTHED)
+        smoothed = np.einsum("cpsk,sa->cpka", near, means != 0.0)
+        return np.where(smoothed, 0.0, _von_mises(total)).max(axis=2)
 
 
 def stress_field(
@@ -160,13 +163,12 @@ def root_stress(pair: GearPair, model: Solid) -> tuple[RootStress, RootStress]:
     ):
         sector = _LoadedSector.of(pair, model, gear, material, turn, radius)
         mesh, side = sector.mesh, sector.mesh.flank[sector.mesh.flank_arc < sector.mesh.form_arc]
-        start = np.hypot(gear.base_radius, min(pair.roll_lengths(xi)[turn < 0] for xi in (pair.xi_start, pair.xi_end)))
-        clear = np.linalg.norm(mesh.points[side], axis=1) < start - SMOOTHED * gear.normal_module
-        touched = np.asarray(np.isin(mesh.elements, side[clear]).any(axis=1))
+        contact = np.stack([np.interp(sector.arc, mesh.flank_arc, one) for one in mesh.points[mesh.flank].T], axis=1)
+        touched = np.asarray(np.isin(mesh.elements, side).any(axis=1))
         found = {}
         for tooth, cuts in ring_motion(sector.reduction, reach).items():
             seen = sector.reduction.transfer.T @ cuts + (sector.reduction.direct if tooth == 0 else 0.0)
-            stress = sector.stress(sector.motion(seen, cuts), touched)[:, :, side[clear]]
+            stress = sector.stress(sector.motion(seen, cuts), touched)[:, :, side]
             found[-turn * tooth] = stress.transpose(0, 2, 1, 3)
         by_node = np.stack([found[apart] for apart in range(-reach, reach + 1)], axis=1)
         shapes, size, stress = np.linalg.svd(by_node.reshape(len(by_node), -1), full_matrices=False)
@@ -177,6 +179,7 @@ def root_stress(pair: GearPair, model: Solid) -> tuple[RootStress, RootStress]:
                 ends=sector.ends,
                 xi=path.xi,
                 weight=sector.weight[:, sector.rows],
+                distance=np.linalg.norm(contact[:, None] - mesh.points[side], axis=2) / gear.normal_module,
                 shapes=shapes[:, kept].T,
                 stress=(size[:, None] * stress)[kept].reshape(-1, *by_node.shape[1:]),
             )
@@ -191,6 +194,7 @@ class _LoadedSector:
     mesh: SectorMesh
     material: Material
     ends: np.ndarray  # of the axial elements
+    arc: np.ndarray  # (contact,) m, along the involute from its base circle
     weight: np.ndarray  # (contact, flank row), nodal forces of unit sum
     rows: np.ndarray  # that are loaded
     prism: Prism
@@ -216,6 +220,7 @@ class _LoadedSector:
             mesh=mesh,
             material=material,
             ends=ends,
+            arc=arc,
             weight=weight,
             rows=rows,
             prism=prism,

@@ -15,6 +15,7 @@ from fem.gears.geometry import GearPair
 from fem.gears.modifications import LARGEST_PART, PairModifications, relief_lengths
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
+from pipelines.machine.checks.strength import refuse_overload
 from pipelines.runs.load_map import TORQUE_SHARES
 from pipelines.runs.root_stress import root_step
 from pipelines.runs.single_results import scene_graph
@@ -151,16 +152,16 @@ class DesignStudy:
     def edges(self, name: str) -> list[str]:
         """Keys of a candidate at an end of their range beyond which there are other designs.
 
-        These are not 0, the length of a relief without amount, and half of the path of contact, see `relief_lengths`.
+        These are not 0, the start of a relief without amount, and half of the path of contact, see `relief_lengths`.
         """
         pairs = list(zip(self.designs.task.variables.given, self._values(name), strict=True))
-        absent = {over.key.replace("amount_um", "length_mm") for over, value in pairs if not value}
+        absent = tuple(over.key.removesuffix("amount_um") for over, value in pairs if not value)
         longest = 1e3 * relief_lengths(self.designs.task.conditions.pair)[1]
         return [
             over.key
             for over, value in pairs
             if value
-            and over.key not in absent
+            and not over.key.startswith(absent)
             and value in (min(over.values), max(over.values))
             and not (over.key == "both.tip_relief.length_mm" and value >= longest)
         ]
@@ -236,6 +237,8 @@ def _task(loaded: LoadedScene, machine: MachineModel, options: DesignOptions, la
     number, sampled = options.stage - 1, options.samples > 0
     pair, sense = machine.flanks[number].pair, machine.layout.pinion_senses[number]
     radius, scene_force = pair.pinion.base_radius, machine.facts.stages[number].shown_force
+    for torque in options.torques:
+        refuse_overload(options.stage, pair, torque)
     torques = tuple(sorted(set(options.torques))) or tuple(share * scene_force * radius for share in TORQUE_SHARES)
     forces = tuple(torque / radius for torque in torques)
     deflection = stiffness_curve(law, forces[-1]).transmission_error.max()  # warns if the law ends too early

@@ -87,6 +87,7 @@ def test_a_limit_that_is_exceeded_between_the_positions_of_the_search_is_stated(
         ({"vary": ("tip_relief=0:10",)}, r"gear is missing\. Start with pinion\., .*both.tip_relief\. Keys are tip_"),
         ({"stage": 2}, "there is no such stage"),
         ({"torques": (-1.0, 40.0)}, "torques = -1.0: must be a number of at least 1e-06"),
+        ({"torques": (1e5,)}, r"--torque 100000 N m: stages.1: the line load .* Set at most \d+ N m"),
         ({"seed": -1}, "seed = -1: must be a number of at least 0"),
         ({"minimize": ("presure",)}, "Did you mean pressure"),
         ({"limits": ("te < 1",)}, "is not a limit"),
@@ -126,6 +127,14 @@ def test_the_default_lengths_contain_the_best_one_of_a_helical_pair():
     far = found(vary=("both.tip_relief.amount_um=0:6:1", "both.tip_relief.length_mm=1:9:0.2"))
     assert study.edges("A") == []
     assert study.designs.objectives.min() < 1.05 * far.designs.objectives.min()
+
+
+@pytest.mark.parametrize("start", ["length_mm=0.1,0.2", "diameter_mm=53.0,53.2"])
+def test_the_start_of_a_relief_without_amount_is_not_at_an_edge(start):
+    """Short reliefs increase the transmission error of this pair."""
+    study = found(vary=("pinion.tip_relief.amount_um=0,40", f"pinion.tip_relief.{start}"))
+    assert study.rows()[-1]["pinion.tip_relief.amount_um"] == 0
+    assert study.edges("A") == []
 
 
 def test_the_toml_of_the_page_makes_the_recommended_design(tmp_path):
