@@ -7,12 +7,12 @@ the motion). Once their distance is as large as the signal, no second computatio
 with another step, on another computer, or of a gearbox a micrometre different. Only statistics are then meaningful.
 
 Motions diverge only where a contact opens or closes, so no neighbour starts before that, except with rolling elements
-or a container that touches the ground. A neighbour is followed while its distance grows fast enough to
-reach the size of the signal before the run ends, else dropped; the next one starts when the share of steps followed is
-below SHARE again. The motion is unrepeatable if the distance, RMS over a window, has grown 100-fold and to half
-the signal: this is observed, never extrapolated. Example, one stage in bearings 6205 with 20 um clearance and 2 kg at
-3000 rpm: the distance grows by e in 7 ms. With plain bearings and 5 kg contacts also open and close, but the distance
-grows by 10 only and then falls by 1000.
+or a container that touches the ground. A neighbour is followed while the mean growth of its distance can reach the size
+of the signal before the run ends, else dropped; the next one starts when the share of steps followed is below SHARE
+again. The motion is unrepeatable if the distance, RMS over a window, has grown 100-fold and to half the RMS of the
+signal since the start of the neighbour: this is observed, never extrapolated. Example, one stage in bearings 6205 with
+20 um clearance and 2 kg at 3000 rpm: the distance grows by e in 7 ms. With plain bearings and 5 kg contacts also open
+and close, but the distance grows by 10 only and then falls by 1000.
 
 References
 ----------
@@ -22,6 +22,8 @@ Benettin, Galgani, Giorgilli & Strelcyn (1980), Meccanica 15, 9-30 (Lyapunov exp
 from __future__ import annotations
 
 import logging
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -37,7 +39,8 @@ logger = logging.getLogger(__name__)
 CHANGE = 1e-6  # of every number of the state
 GROWTH = 100.0
 PARTED = 0.5  # of the signal
-SHARE = 0.05  # of the steps, followed with a neighbour that was dropped
+WATCHED = 6  # windows before the growth of a distance is judged
+SHARE = 0.1  # of the steps, followed with a neighbour that was dropped
 WINDOWS = 200  # windows of a run, over which the distance is averaged
 LEAST_WINDOW = 100  # steps
 START_CHANGE = 1e-4  # of the displacement at rest, for another start
@@ -64,7 +67,7 @@ class Repeatability:
         self._own: list[np.ndarray] = []
         self._apart: list[np.ndarray] = []
         self._distances: list[float] = []  # RMS of a window
-        self._signal = 0.0
+        self._power = 0.0  # of the signal, sum over the windows
         self.diverged_at, self.rate = 0.0, 0.0  # s and 1/s; 0 if no neighbour diverged
 
     def reach(self, done: int) -> int:
@@ -78,7 +81,7 @@ class Repeatability:
         if self._neighbour is None and self._crossed and done >= self._next:
             change = CHANGE * self._state * self._random.standard_normal(len(self._state))
             self._neighbour, self._first = integrator.branch(change), done
-            self._own, self._apart, self._distances, self._signal = [], [], [], 0.0
+            self._own, self._apart, self._distances, self._power = [], [], [], 0.0
 
     def after(self, done: int, steps: int, block: Block) -> None:
         """Advance the neighbour by the ``steps`` after ``done``; ``block`` is the result of the run."""
@@ -104,21 +107,33 @@ class Repeatability:
         own, apart = np.hstack(self._own), np.hstack(self._apart)
         self._own, self._apart = [], []
         self._distances.append(float(np.sqrt(np.mean(apart**2))))
-        self._signal = max(self._signal, float(np.sqrt(np.mean(np.var(own, axis=1)))))
-        first, now = self._distances[0], self._distances[-1]
-        goal = max(PARTED * self._signal, GROWTH * first)
-        age, left = (len(self._distances) - 1) * self._window, self._n_steps - self._first - self._window
-        if first == 0.0 or left <= 0:
+        self._power += float(np.mean(np.var(own, axis=1)))
+        first, now, count = self._distances[0], self._distances[-1], len(self._distances)
+        goal = max(PARTED * math.sqrt(self._power / count), GROWTH * first)
+        if first == 0.0 or done + self._window > self._n_steps:
             self._drop(done)
         elif now >= goal:
-            self.diverged_at, self.rate = done * self._step, float(np.log(now / first)) / (age * self._step)
+            self.diverged_at = done * self._step
+            self.rate = math.log(now / first) / ((count - 1) * self._window * self._step)
             self._neighbour, self._next = None, self._n_steps
-        elif age and now < first * (goal / first) ** (age / left):
+        elif not may_reach(goal, self._distances, (self._n_steps - done) / self._window):
             self._drop(done)
 
     def _drop(self, done: int) -> None:
         self._neighbour = None
         self._next = done + round((done - self._first) / SHARE)
+
+
+def may_reach(goal: float, distances: Sequence[float], left: float) -> bool:
+    """Whether a distance may become as large as a goal in the windows that are left, by its mean growth so far.
+
+    The first window, in which the high modes of the change decay, has no weight. Distances scatter from one window to
+    the next by a factor, so the first WATCHED decide nothing.
+    """
+    if len(distances) <= WATCHED:
+        return True
+    growth = np.polyfit(np.arange(1, len(distances)), np.log(distances[1:]), 1)[0]
+    return bool(math.log(distances[-1]) + growth * left >= math.log(goal))
 
 
 def other_start(system: System, rest: State, number: int) -> State:

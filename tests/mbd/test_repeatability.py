@@ -7,7 +7,7 @@ from mbd_rigs import rigid_casing, train
 from mbd.integrators.base import LENGTH
 from mbd.integrators.methods import make_integrator
 from mbd.integrators.settings import MotionSettings
-from mbd.output.repeatability import other_start
+from mbd.output.repeatability import WATCHED, may_reach, other_start
 from mbd.output.simulate import simulate
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
@@ -58,6 +58,17 @@ def test_regular_motion_is_not_called_unrepeatable(settings):
     regular = motion("minimal", settings | ALONE | SHORT)
     assert regular.diverged_at == 0.0
     assert motion_warnings(regular) == {}
+
+
+def test_slow_growth_that_scatters_is_followed_and_a_constant_distance_is_not():
+    """Growth by e in three windows, after a decay of the change itself; each window scatters by a factor of 1.5."""
+    scatter = np.exp(0.4 * np.random.default_rng(5).standard_normal(60))
+    growing = 1e-5 * np.exp(np.arange(60) / 3.0) * scatter
+    growing[0] *= 20.0
+    constant = 1e-5 * scatter
+    assert all(may_reach(1.0, growing[:count], 150 - count) for count in range(1, 36))
+    assert may_reach(1.0, constant[:WATCHED], 100)
+    assert not any(may_reach(1.0, constant[:count], 100) for count in range(WATCHED + 6, 60))
 
 
 def test_a_neighbour_takes_the_cuts_of_the_motion():
