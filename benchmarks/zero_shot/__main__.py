@@ -30,7 +30,7 @@ from pipelines.diagnosis.impacts import CLEAR
 
 HERE = Path(__file__).parent
 START = 0.3  # s, after the run-up
-NOISES = (0.1, 3.0)  # m/s2 rms, added to every simulated signal: each machine is used twice
+NOISES = (0.1, 1.0, 3.0, 10.0)  # m/s2 rms of noise added to the signals: each machine is used four times
 VERDICT = "verdict of the product"
 JUDGES = ("rule", COMB, VERDICT, "kurtosis", "rms")
 WIDEST = 20.0  # dB, of the range of a feature
