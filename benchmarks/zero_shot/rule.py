@@ -17,7 +17,7 @@ import numpy as np
 import pandas
 
 RULE = Path(__file__).with_name("rule.json")
-HASH = "6c098f6ba6cf874ae8914240f0f13e8dfb87dc43bdd0f23c3130b62a4cb25e7a"  # of rule.json, fixed before the rule was applied to a recording
+HASH = "6c098f6ba6cf874ae8914240f0f13e8dfb87dc43bdd0f23c3130b62a4cb25e7a"  # fixed before a recording was judged
 STATES = ("healthy", "outer", "inner", "element")
 DAMAGED = STATES[1:]
 LEVELS = {

@@ -1,4 +1,4 @@
-"""The rule of the zero-shot benchmark is the frozen one, names the part that impacts, and its rigs are the published ones."""
+"""The rule of the zero-shot benchmark is the frozen one and names the part that impacts; its rigs are as published."""
 
 import pandas
 import pytest
