@@ -1,8 +1,9 @@
-"""The rule: a linear classifier of levels of features, and simpler ones for comparison.
+"""The rule: clear impacts name the damaged part, a linear classifier decides on weaker ones; and simpler rules.
 
-All are fitted to the same simulated machines. A classifier is multinomial logistic regression of standardised levels;
-its regularisation follows from cross-validation over machines. `outer`, `inner` and `element` are the levels of the
-pass orders of the bearing, `sidebands` that of a rolling element with its sidebands.
+From the limit of clear impacts of `gearcase diagnose` on, the highest pass order is the answer. The classifier is
+multinomial logistic regression of standardised levels, fitted to simulated machines below this limit. Its
+regularisation follows from cross-validation over machines. `outer`, `inner` and `element` are the levels of the pass
+orders of the bearing, `sidebands` that of a rolling element with its sidebands.
 """
 
 from __future__ import annotations
@@ -16,8 +17,10 @@ from typing import Any
 import numpy as np
 import pandas
 
+from pipelines.diagnosis.impacts import CLEAR
+
 RULE = Path(__file__).with_name("rule.json")
-HASH = "6c098f6ba6cf874ae8914240f0f13e8dfb87dc43bdd0f23c3130b62a4cb25e7a"  # fixed before a recording was judged
+HASH = "2f75be97f9bf783602e0418023ba4c44153e316a6c75c426b89417da6714c1a9"  # fixed before a recording was judged
 STATES = ("healthy", "outer", "inner", "element")
 DAMAGED = STATES[1:]
 LEVELS = {
@@ -74,15 +77,17 @@ def fitted(table: pandas.DataFrame, state: pandas.Series) -> dict[str, Any]:
     from sklearn.model_selection import GroupKFold
 
     machine = table.index.get_level_values(0)
-    folds = list(GroupKFold(GROUPS).split(table, state, machine))
+    best = table[list(DAMAGED)].max(axis=1)
     classifiers = {}
     for name, features in CLASSIFIERS.items():
-        values = table[list(features)].to_numpy()
+        used = (best < CLEAR).to_numpy() if name == "rule" else np.ones(len(table), dtype=bool)
+        values = table[list(features)].to_numpy()[used]
         mean, scale = values.mean(axis=0), values.std(axis=0)
+        folds = list(GroupKFold(GROUPS).split(values, groups=machine[used]))
         model = LogisticRegressionCV(
             cv=folds, scoring="balanced_accuracy", max_iter=1000, l1_ratios=(0.0,), use_legacy_attributes=False
         )
-        model.fit((values - mean) / scale, state)
+        model.fit((values - mean) / scale, state[used])
         order = [list(model.classes_).index(one) for one in STATES]
         classifiers[name] = {
             "features": list(features),
@@ -91,17 +96,17 @@ def fitted(table: pandas.DataFrame, state: pandas.Series) -> dict[str, Any]:
             "weights": model.coef_[order].round(4).tolist(),
             "intercept": model.intercept_[order].round(4).tolist(),
         }
-    best = table[list(DAMAGED)].max(axis=1)
     limits = np.unique(best.round(1))
     is_healthy = (state == STATES[0]).to_numpy()
     share = [(best[is_healthy] < one).mean() + (best[~is_healthy] >= one).mean() for one in limits]
     healthy, tail = table[is_healthy], (1.0 - INSIDE) / 2.0
     return {
         "classifiers": classifiers,
+        "clear_dB": CLEAR,
         "limit_dB": float(limits[int(np.argmax(share))]),
         "healthy_range_dB": {
             name: [round(float(column.quantile(one)), 2) for one in (tail, 1.0 - tail)]
-            for name, column in healthy.dropna(axis=1).items()
+            for name, column in healthy.dropna(axis=1, how="all").items()
         },
     }
 
@@ -121,7 +126,9 @@ def answers(rule: Mapping[str, Any], table: pandas.DataFrame) -> pandas.DataFram
         found[name] = _named(STATES, score)
         found[f"{name} part"] = _named(DAMAGED, score[:, 1:])
     combs = table[list(DAMAGED)].to_numpy()
-    found[f"{COMB} part"] = _named(DAMAGED, combs)
+    part = found[f"{COMB} part"] = _named(DAMAGED, combs)
+    for name in ("rule", "rule part"):
+        found[name] = np.where(combs.max(axis=1) >= rule["clear_dB"], part, found[name])
     found[COMB] = np.where(combs.max(axis=1) < rule["limit_dB"], STATES[0], found[f"{COMB} part"])
     return pandas.DataFrame(found, index=table.index)
 
