@@ -75,7 +75,7 @@ def _measured(group: Mapping[str, Any], folder: Path) -> Iterator[pandas.DataFra
         for state, pattern in group["files"].items():
             if files := sorted(folder.glob(pattern)):
                 table = gearcase.features(files, path)
-                print(*table.attrs["failures"].values(), sep="\n")
+                print(*(f"{reason}\n" for reason in table.attrs["failures"].values()), end="")
                 near = table.sensor.str.contains(group.get("channels", ""), regex=False)
                 recording = f"{group['title']}: " + table.recording  # one file can be healthy for two machines
                 yield table[near].assign(recording=recording[near], title=group["title"], state=state)

@@ -20,7 +20,7 @@ import pandas
 from pipelines.diagnosis.impacts import CLEAR
 
 RULE = Path(__file__).with_name("rule.json")
-HASH = "2f75be97f9bf783602e0418023ba4c44153e316a6c75c426b89417da6714c1a9"  # fixed before a recording was judged
+HASH = "2f75be97f9bf783602e0418023ba4c44153e316a6c75c426b89417da6714c1a9"  # of rule.json
 STATES = ("healthy", "outer", "inner", "element")
 DAMAGED = STATES[1:]
 LEVELS = {
