@@ -15,7 +15,7 @@ import re
 import sys
 import tempfile
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -173,4 +173,5 @@ def indicators(rows: pandas.DataFrame) -> str:
 
 
 if __name__ == "__main__":
-    {"fit": fit, "measure": measure, "score": score}[sys.argv[1]](*sys.argv[2:])
+    commands: dict[str, Callable[..., None]] = {"fit": fit, "measure": measure, "score": score}
+    commands[sys.argv[1]](*sys.argv[2:])
