@@ -230,9 +230,8 @@ def _relief_start(gear: Gear, relief: Relief, end: float, low: float, high: floa
     bounds = [2 * math.hypot(gear.base_radius, value) for value in (low, high)]
     require(
         low - 1e-12 <= start <= high + 1e-12 and start != end,
-        f"{label} starts at roll length {1000 * start:.5g} mm (diameter "
-        f"{2000 * math.hypot(gear.base_radius, start):.6g} mm), outside the active profile. Set diameter_mm between "
-        f"{1000 * bounds[0]:.6g} and {1000 * bounds[1]:.6g}, or length_mm up to {1000 * (high - low):.5g}",
+        f"{label} is {1000 * abs(end - start):.5g} mm long, and must start on the active profile. Set diameter_mm "
+        f"between {1000 * bounds[0]:.6g} and {1000 * bounds[1]:.6g}, or length_mm up to {1000 * (high - low):.5g}",
     )
     return start
 

@@ -204,11 +204,11 @@ def test_no_modification_leaves_the_law_alone(laws):
     [
         (
             only("pinion", tip_relief=Relief(amount=1e-5, diameter=60e-3)),
-            "outside the active profile. Set diameter_mm between",
+            "mm long, and must start on the active profile. Set diameter_mm between",
         ),
         (
             only("pinion", tip_relief=Relief(amount=1e-5, length=20e-3)),
-            "outside the active profile. Set diameter_mm between",
+            "mm long, and must start on the active profile. Set diameter_mm between",
         ),
         (only("wheel", lead_crowning=1e-3), "more than 0.1 modules"),
         (only("wheel", end_relief_low=EndRelief(amount=1e-5, length=7e-3)), "half the face width"),
