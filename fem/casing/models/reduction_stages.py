@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fem.casing.parts.regions import Region
     from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.checkup import CheckUp
-    from fem.casing.reduced.grounded import AssembledCasing, ForcedPoint, GroundedCasing
+    from fem.casing.reduced.grounded import AssembledCasing, ForcedPoint
     from fem.casing.reduced.reduced_body import ReducedBody
     from fem.casing.reduced.reduction import Reduction
     from fem.casing.reduced.reduction_error import ErrorStatement
@@ -74,17 +74,12 @@ class CasingReduction(Stage):
 
         from fem.casing.reduced.checkup import check_up
         from fem.casing.uncertainty.extrapolation import quadratic_modes
-        from fem.numerics.side_by_side import side_by_side
 
         with threadpool_limits(1):  # the expensive steps run in two parallel halves
-            assembled = self.assembled(mesh)
-            casing = assembled.held()
+            casing = self.assembled(mesh)
             modes, reduction = self.reduced(casing)
-            casing = replace(casing, interface=casing.interface.whole)
-            found, lower = side_by_side(
-                lambda: check_up(casing, reduction),
-                lambda: (quadratic_modes(assembled, reduction, static=self.static),) if self.quadratic else (),
-            )
+            found = check_up(casing, reduction)
+            lower = (quadratic_modes(casing, reduction, static=self.static),) if self.quadratic else ()
         if found.failures:
             raise CasingError(
                 f"casing: the reduced body fails the checks {', '.join(found.failures)}. Use a finer "
@@ -93,7 +88,7 @@ class CasingReduction(Stage):
         return modes, found, *lower
 
     @abstractmethod
-    def reduced(self, casing: GroundedCasing) -> tuple[CasingModes, Reduction]:
+    def reduced(self, casing: AssembledCasing) -> tuple[CasingModes, Reduction]:
         """The stored part of a reduction, and the reduction."""
 
     def lowest(self, name: str, mesh: PlannedStage, *, quadratic: bool = False) -> PlannedStage:
@@ -154,7 +149,7 @@ class ErrorCheck(Stage):
         held, recovery = self.reduction.held, self.recovery
         iron = replace(held.material, elastic_modulus=body.stiffness_factor * held.material.elastic_modulus)
         return state_error(
-            replace(self.reduction, held=replace(held, material=iron)).assembled(mesh).held(),
+            replace(self.reduction, held=replace(held, material=iron)).assembled(mesh),
             body,
             band=self.band,
             sensors=recovery.sensors,

@@ -12,7 +12,7 @@ independent of the modes kept, so that the feet together always carry the whole 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import scipy.sparse as sp
@@ -38,7 +38,7 @@ def clamped_reactions(
     MX: np.ndarray,
     expansion: sp.csr_matrix,
     constraint: np.ndarray,
-    inverse: Callable[[np.ndarray], np.ndarray],
+    displaced: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Force on the feet per displacement of the interface, and per acceleration of the ground.
 
@@ -50,7 +50,8 @@ def clamped_reactions(
     sums : W (3 feet, n)
     K : sparse (n, n), N/m, of the free body
     MX : (n, 3), kg, M X of the free body
-    expansion, constraint, inverse : E (n, q), Psi (q, b) and Y (q, k) -> P Y of the held body
+    expansion, constraint : E (n, q), Psi (q, b)
+    displaced : P E^T M X (q, 3), m, displacements of the held body
     """
     WK = sums @ K @ expansion
-    return WK @ constraint, sums @ MX - WK @ inverse(expansion.T @ MX)
+    return WK @ constraint, sums @ MX - WK @ displaced

@@ -24,11 +24,11 @@ from fem.casing.parts.casing_choices import FEWEST_MOUNTS, JOINTS, Attachment, G
 from fem.casing.parts.regions import Region, elements_inside
 from fem.casing.parts.split_mesh import split_mesh
 from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
-from fem.casing.reduced.halves import Places, choice_of, interface_of
+from fem.casing.reduced.halves import Places, Subspace, projected, subspaces_of
 from fem.casing.reduced.reduced_body import BEARING_AXES
-from fem.casing.reduced.reduction import Interface
+from fem.casing.reduced.reduction import Interface, held_interface
 from fem.elements.materials import Material
-from fem.elements.solids import rigid_body_modes
+from fem.elements.solids import mass_properties, rigid_body_modes
 from fem.numerics.linear_solver import Solver
 from fem.numerics.memory import give_back
 from fem.numerics.unknowns import unknowns_of
@@ -70,12 +70,63 @@ class AssembledCasing:
     @property
     def K_free(self) -> sp.csr_matrix:
         """Stiffness E^T K E (n, n) without the reference springs, computed at every call: it is as large as K."""
-        return _projected(self.K, self.expansion)
+        return projected(self.K, self.expansion)
 
     @property
     def M_free(self) -> sp.csr_matrix:
         """Mass E^T M E (n, n), computed at every call."""
-        return _projected(self.M, self.expansion)
+        return projected(self.M, self.expansion)
+
+    @property
+    def subspaces(self) -> tuple[Subspace, ...]:
+        """All motions q, or the two halves of a casing with a mirror plane."""
+        return subspaces_of(
+            None if self.attachment == "rigid" else self.added,
+            self.K,
+            self.M,
+            self.rows,
+            expansion=self.expansion,
+            penalty=self.penalty,
+        )
+
+    @property
+    def penalty(self) -> np.ndarray | None:
+        """Reference springs (interface,) of the factorisation; None on fixed feet."""
+        return self.springs if self.ground == "springs" else None
+
+    @property
+    def mass_properties(self) -> tuple[float, np.ndarray, np.ndarray]:
+        """Mass (kg), centre of gravity (3,) in m and inertia tensor (3, 3) about it in kg m2."""
+        return mass_properties(self.mesh.nodes, self.mesh.elements, self.material.density)
+
+    def foot_motions(self, R: np.ndarray) -> np.ndarray:
+        """Rigid motions R (u, 6) of single feet (u, 6 feet), zero elsewhere."""
+        feet = self.mesh.patches("ground_")
+        motion = np.zeros((len(R), 6 * len(feet)))
+        for index, name in enumerate(feet):
+            unknowns = unknowns_of(np.unique(self.mesh.patch(name)))
+            motion[unknowns, 6 * index : 6 * index + 6] = R[unknowns]
+        return motion
+
+    @property
+    def loads(self) -> np.ndarray:
+        """Forces (n, l) of unit motions of the ground, and last of unit gravity along x, y, z; for the check-up.
+
+        The ground moves six ways at every clamped foot, or three ways under every spring.
+        """
+        R, E = self.rigid_motions(self.mass_properties[1]), self.expansion
+        if self.penalty is None:
+            ground = E.T @ (self.K[self.clamped].T @ self.foot_motions(R)[self.clamped])
+        else:
+            ground = (self.rows.T @ sp.diags_array(self.springs)).toarray()[:, self.springs > 0.0]
+        return np.hstack([ground, E.T @ (self.M @ R[:, :3])])
+
+    def on_springs(self, springs: np.ndarray) -> sp.csr_matrix:
+        """K of the unknowns q with springs (interface,) at the interface coordinates."""
+        K = self.K_free
+        if not springs.any():
+            return K
+        return sp.csr_matrix(K + self.rows.T @ sp.diags_array(springs) @ self.rows)
 
     def expanded(self, q: np.ndarray) -> np.ndarray:
         """Displacements (3 node, k) of the mesh."""
@@ -121,17 +172,7 @@ class AssembledCasing:
         ------
         SingularMatrixError : a part of the mesh is not connected
         """
-        on_springs = self.ground == "springs"
-        interface = interface_of(
-            None if self.attachment == "rigid" else self.added,
-            self.K,
-            self.M,
-            self.rows,
-            expansion=self.expansion,
-            penalty=self.springs if on_springs else None,
-            solver=solver,
-        )
-        give_back()
+        interface = held_interface(self.K_free, self.rows, penalty=self.penalty, loads=self.loads, solver=solver)
         return GroundedCasing(**vars(self), interface=interface)
 
 
@@ -140,13 +181,6 @@ class GroundedCasing(AssembledCasing):
     """A factorised casing with held interface."""
 
     interface: Interface
-
-    def on_springs(self, springs: np.ndarray) -> sp.csr_matrix:
-        """K of the unknowns q with springs (interface,) at the interface coordinates."""
-        K = self.K_free
-        if not springs.any():
-            return K
-        return sp.csr_matrix(K + self.rows.T @ sp.diags_array(springs) @ self.rows)
 
 
 def assembled_casing(
@@ -206,9 +240,9 @@ def assembled_casing(
     bolts = None if split is None or joint is None else extended(joint_stiffness(joint, split, material), K.shape[0])
     K = K if bolts is None else sp.csr_matrix(K + bolts)
     expansion, rows, names = _tied(mesh, points, forced, attachment, clamped_nodes, len(added))
-    parts = {name: _projected(part, expansion) for name, part in _parts(mesh, regions, added).items()}
+    parts = {name: projected(part, expansion) for name, part in _parts(mesh, regions, added).items()}
     if bolts is not None:
-        parts[JOINTS] = _projected(bolts, expansion)
+        parts[JOINTS] = projected(bolts, expansion)
     give_back()
     reference = material.elastic_modulus * mesh.element_size
     return AssembledCasing(
@@ -295,10 +329,3 @@ def _rigid_patches(
     first = {name: len(free) + 6 * number for number, name in enumerate(points)}
     interface = [first[name] + AXES.index(axis) for name, axes in points.items() for axis in axes]
     return expansion, sp.csr_matrix(sp.eye_array(expansion.shape[1], format="csr")[np.array(interface, int)])
-
-
-def _projected(matrix: sp.csr_matrix, expansion: sp.csr_matrix) -> sp.csr_matrix:
-    """E^T A E; a selection of unknowns is sliced."""
-    if (chosen := choice_of(expansion)) is not None:
-        return sp.csr_matrix(matrix[chosen][:, chosen])
-    return sp.csr_matrix(expansion.T @ matrix @ expansion)
