@@ -147,16 +147,11 @@ class AssembledCasing:
 
     def quadratic(self) -> AssembledCasing:
         """The same casing without the cubic displacements of its elements, which are hierarchical."""
-        cubic, left = self.added.numbers < KINDS_APART, self.not_cubic
-        kept = np.ones(self.K.shape[0], bool)
-        kept[3 * len(self.mesh.nodes) :] = ~cubic
+        left = self.not_cubic
         return replace(
             self,
             mesh=replace(self.mesh, cubic=0),
-            K=sp.csr_matrix(self.K[kept][:, kept]),
-            M=sp.csr_matrix(self.M[kept][:, kept]),
-            expansion=sp.csr_matrix(self.expansion[kept][:, left]),
-            added=Places(self.added.nodes, self.added.functions[~cubic], self.added.numbers[~cubic]),
+            expansion=sp.csr_matrix(self.expansion[:, left]),
             rows=sp.csr_matrix(self.rows[:, left]),
             parts={},
         )
