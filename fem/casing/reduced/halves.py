@@ -21,11 +21,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
+import scipy.sparse.linalg as spla
 from scipy.spatial import cKDTree
 
-from fem.casing.reduced.lanczos import block_lanczos
+from fem.casing.reduced.lanczos import EigenError, block_lanczos
 from fem.casing.reduced.reduction import Reduction, held_interface, largest_entry, reduce_body
-from fem.casing.reduced.sturm_count import reduce_and_count
+from fem.casing.reduced.sturm_count import count_fixed_modes
 from fem.numerics.linear_solver import Solver, factorize
 from fem.numerics.memory import give_back
 from fem.numerics.unknowns import unknowns_of
@@ -42,6 +43,7 @@ class Subspace:
 
     motions: sp.csr_matrix  # Q (n, n_h), orthonormal columns; 0 for unknowns at rest
     coordinates: np.ndarray  # C (b, b_h), orthonormal
+    stiffness: spla.LinearOperator  # K (n_h, n_h), products with it
     matrices: Callable[[], tuple[sp.csr_matrix, sp.csr_matrix]]  # K and M (n_h, n_h), computed at every call
     rows: sp.csr_matrix  # of the interface (b_h, n_h)
     penalty: np.ndarray | None  # (b_h,)
@@ -114,7 +116,13 @@ def subspaces_of(
         return projected(K, expansion), projected(M, expansion)
 
     n, b = expansion.shape[1], rows.shape[0]
-    return (Subspace(sp.eye_array(n, format="csr"), np.eye(b), matrices, rows, penalty),)
+    return (Subspace(sp.eye_array(n, format="csr"), np.eye(b), _within(K, expansion), matrices, rows, penalty),)
+
+
+def _within(K: sp.csr_matrix, motions: sp.csr_matrix) -> spla.LinearOperator:
+    """Products with Q^T K Q."""
+    Q = spla.aslinearoperator(motions)
+    return Q.T @ spla.aslinearoperator(K) @ Q
 
 
 def projected(matrix: sp.csr_matrix, expansion: sp.csr_matrix) -> sp.csr_matrix:
@@ -133,7 +141,7 @@ def reduced_and_counted(
     enrich: bool = True,
     solver: Solver = "auto",
 ) -> tuple[Reduction, int]:
-    """Reduce a body one subspace at a time; the number of modes is verified (`reduce_and_count`).
+    """Reduce a body one subspace at a time; the number of modes is verified by a Sturm-sequence count.
 
     Parameters
     ----------
@@ -149,10 +157,20 @@ def reduced_and_counted(
 
     def reduced(one: Subspace) -> tuple[Reduction, int]:
         K, M = one.matrices()
+        give_back()
         held = held_interface(K, one.rows, penalty=one.penalty, loads=one.motions.T @ loads, solver=solver)
         if highest is None:
             return reduce_body(held, K, M, count=0, enrich=False), 0
-        return reduce_and_count(held, K, M, highest=highest, enrich=enrich)
+        counted = count_fixed_modes(held, K, M, highest)
+        del K  # not needed beside the vectors
+        give_back()
+        reduction = reduce_body(held, one.stiffness, M, highest=highest, enrich=enrich)
+        if reduction.n_fixed != counted:
+            raise EigenError(
+                f"casing: {reduction.n_fixed} fixed-interface modes found below {highest:g} Hz, {counted} exist; "
+                "choose a slightly different band"
+            )
+        return reduction, counted
 
     reductions, total = [], 0
     for one in subspaces:
@@ -233,12 +251,12 @@ def _images(points: np.ndarray, twice: float, axis: int, near: float) -> np.ndar
 
 
 def _signs(K: sp.csr_matrix, image: np.ndarray, sign: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Sign (1 or -1) of a reflected added function relative to its image, from the forces of both on the nodes."""
+    """Sign (1 or -1) of a reflected added function relative to its image, from their forces in a random motion."""
     n = len(image)
-    forces = K[n:, :n]
-    reflected = forces[:, image] @ sp.diags_array(sign)
-    product = np.asarray(reflected.multiply(forces[other]).sum(axis=1)).ravel()
-    return np.where(product < 0.0, -1.0, 1.0)
+    x, reflected = np.zeros((2, K.shape[0]))
+    x[:n] = np.random.default_rng(0).standard_normal(n)
+    reflected[:n] = sign * x[image]
+    return np.where((K @ reflected)[n:] * (K @ x)[n:][other] < 0.0, -1.0, 1.0)
 
 
 def _unchanged(matrix: sp.csr_matrix, reflection: _Reflection, expansion: sp.csr_matrix) -> bool:
@@ -275,9 +293,11 @@ def _halves(
         Q, C, share = reflection.motions(parity), vector[:, value * parity > 0.0], reflection.share(parity)
         scale = np.divide(1.0, share, out=np.zeros_like(share), where=share > 0.0)
 
+        in_body = sp.csr_matrix(expansion @ Q)
+
         def of_half(matrix: sp.csr_matrix) -> sp.csr_matrix:
             """Q_i^T A Q_j = A_i Q_j / share_i: the images of the rows give the same products."""
-            found = sp.csr_matrix(matrix[kept] @ sp.csr_matrix(expansion @ Q))
+            found = sp.csr_matrix(matrix[kept] @ in_body)
             found.data *= np.repeat(scale, np.diff(found.indptr))
             return found
 
@@ -285,7 +305,7 @@ def _halves(
             return sp.csr_matrix(of_half(K) + sp.diags_array(np.where(share > 0.0, 0.0, largest))), of_half(M)
 
         own_penalty = None if penalty is None else np.einsum("ij,i,ij->j", C, penalty, C)
-        return Subspace(Q, C, matrices, sp.csr_matrix(C.T @ (rows @ Q).toarray()), own_penalty)
+        return Subspace(Q, C, _within(K, in_body), matrices, sp.csr_matrix(C.T @ (rows @ Q).toarray()), own_penalty)
 
     return half(1.0), half(-1.0)
 

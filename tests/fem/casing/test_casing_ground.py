@@ -215,7 +215,7 @@ def test_a_missed_mode_is_an_error(fixed, monkeypatch):
     reduction, counted = reduced_and_counted(*held, highest=1.5 * BAND)
     assert reduction.n_fixed == counted
     assert np.array_equal(reduction.modes, fixed[1].modes)  # the same numbers beside the count as without
-    monkeypatch.setattr("fem.casing.reduced.sturm_count.count_fixed_modes", lambda *_: counted + 1)
+    monkeypatch.setattr("fem.casing.reduced.halves.count_fixed_modes", lambda *_: counted + 1)
     with pytest.raises(EigenError, match=f"{counted} fixed-interface modes found below 4500 Hz, {counted + 1} exist"):
         reduced_and_counted(*held, highest=1.5 * BAND)
 
