@@ -33,17 +33,12 @@ def three_each(indptr: np.ndarray, indices: np.ndarray) -> tuple[sp.csr_matrix, 
     ----------
     indptr, indices : those of `pattern`
     """
-    wide = np.repeat(np.diff(indptr), 3)
-    ends = np.append(0, np.cumsum(wide)).astype(np.int32)
-    count = len(indptr) - 1
-    rows = 3 * sp.csr_matrix((indices, indices, indptr), shape=(count, count))[np.repeat(np.arange(count), 3)].indices
-    all_axes = (rows[:, None] + np.arange(3, dtype=np.int32)).ravel()
-    same = rows + np.repeat(np.tile(np.arange(3, dtype=np.int32), count), wide)
-    shape = (3 * count, 3 * count)
-    return (
-        sp.csr_matrix((np.zeros(len(all_axes)), all_axes, 3 * ends), shape=shape),
-        sp.csr_matrix((np.zeros(len(same)), same, ends), shape=shape),
-    )
+    count, axes = len(indptr) - 1, np.arange(3, dtype=np.int32)
+    thrice = sp.csr_matrix((indices, indices, indptr), shape=(count, count))[np.repeat(np.arange(count), 3)]
+    first = 3 * thrice.indices
+    K = (np.zeros(3 * len(first)), (first[:, None] + axes).ravel(), 3 * thrice.indptr)
+    M = (np.zeros(len(first)), first + np.repeat(np.tile(axes, count), np.diff(thrice.indptr)), thrice.indptr)
+    return sp.csr_matrix(K, shape=(3 * count, 3 * count)), sp.csr_matrix(M, shape=(3 * count, 3 * count))
 
 
 @stored(__file__)

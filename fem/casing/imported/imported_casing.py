@@ -174,7 +174,8 @@ def _clamped_feet(
     ]
     sums = foot_sums(unknowns, len(body.node))
     displaced = interface.inverse(reduced.expansion.T @ MX)
-    return clamped_reactions(sums, body.stiffness, MX, reduced.expansion, interface.constraint, displaced)
+    forces = sums @ body.stiffness @ reduced.expansion
+    return clamped_reactions(forces, sums @ MX, interface.constraint, displaced)
 
 
 def _check_up(reduced: ReducedImportedBody, check: MatrixCheck) -> CheckUp:

@@ -56,11 +56,11 @@ class CasingReduction(Stage):
     forced: tuple[ForcedPoint, ...]
     quadratic: bool = False
 
-    def assembled(self, mesh: CasingMesh) -> AssembledCasing:
-        """The meshed casing on its ground."""
+    def assembled(self, mesh: CasingMesh, *, divided: bool) -> AssembledCasing:
+        """The meshed casing on its ground; `divided` as in `assembled_casing`."""
         from fem.casing.reduced.grounded import assembled_casing
 
-        return assembled_casing(mesh, forced=self.forced, regions=self.regions, **vars(self.held))
+        return assembled_casing(mesh, forced=self.forced, regions=self.regions, divided=divided, **vars(self.held))
 
     def build(self, *, mesh: CasingMesh) -> tuple[CasingModes, CheckUp] | tuple[CasingModes, CheckUp, LowestModes]:
         """The reduced matrices with their check-up, and the quadratic modes where requested.
@@ -76,16 +76,18 @@ class CasingReduction(Stage):
         from fem.casing.uncertainty.extrapolation import quadratic_modes
 
         with threadpool_limits(1):  # the expensive steps run in two parallel halves
-            casing = self.assembled(mesh)
+            casing = self.assembled(mesh, divided=True)
             modes, reduction = self.reduced(casing)
             found = check_up(casing, reduction)
-            lower = (quadratic_modes(casing, reduction, static=self.static),) if self.quadratic else ()
-        if found.failures:
-            raise CasingError(
-                f"casing: the reduced body fails the checks {', '.join(found.failures)}. Use a finer "
-                f"casing.element_size_mm, or another casing model.\n{found.report(0)}"
-            )
-        return modes, found, *lower
+            if found.failures:
+                raise CasingError(
+                    f"casing: the reduced body fails the checks {', '.join(found.failures)}. Use a finer "
+                    f"casing.element_size_mm, or another casing model.\n{found.report(0)}"
+                )
+            if not self.quadratic:
+                return modes, found
+            cubic, casing = casing.cubic, casing.quadratic()  # the larger matrices are freed
+            return modes, found, quadratic_modes(casing, cubic, reduction, static=self.static)
 
     @abstractmethod
     def reduced(self, casing: AssembledCasing) -> tuple[CasingModes, Reduction]:
@@ -113,7 +115,7 @@ class LowestReduction(Stage):
         from fem.casing.uncertainty.extrapolation import lowest_modes
 
         mesh = replace(mesh, cubic=0) if self.quadratic else mesh
-        return lowest_modes(assembled_casing(mesh, **vars(self.held)), static=self.static)
+        return lowest_modes(assembled_casing(mesh, divided=True, **vars(self.held)), static=self.static)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,7 +151,7 @@ class ErrorCheck(Stage):
         held, recovery = self.reduction.held, self.recovery
         iron = replace(held.material, elastic_modulus=body.stiffness_factor * held.material.elastic_modulus)
         return state_error(
-            replace(self.reduction, held=replace(held, material=iron)).assembled(mesh),
+            replace(self.reduction, held=replace(held, material=iron)).assembled(mesh, divided=False),
             body,
             band=self.band,
             sensors=recovery.sensors,

@@ -33,12 +33,7 @@ def foot_sums(unknowns: Sequence[np.ndarray], size: int) -> sp.csr_matrix:
 
 
 def clamped_reactions(
-    sums: sp.csr_matrix,
-    K: sp.csr_matrix,
-    MX: np.ndarray,
-    expansion: sp.csr_matrix,
-    constraint: np.ndarray,
-    displaced: np.ndarray,
+    forces: sp.csr_matrix, inertia: np.ndarray, constraint: np.ndarray, displaced: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Force on the feet per displacement of the interface, and per acceleration of the ground.
 
@@ -47,11 +42,9 @@ def clamped_reactions(
 
     Parameters
     ----------
-    sums : W (3 feet, n)
-    K : sparse (n, n), N/m, of the free body
-    MX : (n, 3), kg, M X of the free body
-    expansion, constraint : E (n, q), Psi (q, b)
+    forces : W K E (3 feet, q), N/m
+    inertia : W M X (3 feet, 3), kg, of the free body
+    constraint : Psi (q, b)
     displaced : P E^T M X (q, 3), m, displacements of the held body
     """
-    WK = sums @ K @ expansion
-    return WK @ constraint, sums @ MX - WK @ displaced
+    return forces @ constraint, inertia - forces @ displaced

@@ -118,8 +118,7 @@ def casing_modes(
     """
     mesh = casing.mesh
     mass, centre, inertia = casing.mass_properties
-    inertial = casing.M @ casing.rigid_motions(centre)
-    foot_stiffness, foot_inertia = _clamped_feet(casing, reduction, inertial[:, :3])
+    foot_stiffness, foot_inertia = _clamped_feet(casing, reduction)
     return CasingModes(
         model=model,
         solver=reduction.solver,
@@ -132,7 +131,7 @@ def casing_modes(
         band_limit=band_limit,
         counted=counted,
         unknowns=casing.unknowns,
-        participation=reduction.projected(casing.expansion.T @ inertial),
+        participation=reduction.projected(casing.expansion.T @ casing.inertial),
         foot_stiffness=foot_stiffness,
         foot_inertia=foot_inertia,
         part_names=tuple(casing.parts),
@@ -155,15 +154,16 @@ def _of_parts(casing: AssembledCasing, reduction: Reduction) -> np.ndarray:
     return np.array(found).reshape(len(found), *reduction.mass.shape)
 
 
-def _clamped_feet(casing: AssembledCasing, reduction: Reduction, MX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _clamped_feet(casing: AssembledCasing, reduction: Reduction) -> tuple[np.ndarray, np.ndarray]:
     """Results of `clamped_reactions`; zeros for feet on springs."""
     mesh, displaced = casing.mesh, reduction.loaded[:, -3:]
     feet = [np.unique(mesh.patch(name)) for name in mesh.patches("ground_")]
     if casing.ground == "springs":
         return np.zeros((3 * len(feet), len(casing.springs))), np.zeros((3 * len(feet), 3))
-    sums = foot_sums([3 * nodes + axis for nodes in feet for axis in range(3)], len(MX))
+    sums = foot_sums([3 * nodes + axis for nodes in feet for axis in range(3)], len(casing.inertial))
+    forces = sums[:, casing.clamped] @ casing.K_clamped @ casing.expansion
     displaced = displaced - reduction.constraint @ (casing.rows @ displaced)
-    return clamped_reactions(sums, casing.K, MX, casing.expansion, reduction.constraint, displaced)
+    return clamped_reactions(forces, sums @ casing.inertial[:, :3], reduction.constraint, displaced)
 
 
 def _expanded(casing: AssembledCasing, reduction: Reduction) -> np.ndarray:

@@ -20,10 +20,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as la
-import scipy.sparse as sp
 
 from fem.casing.reduced.grounded import AssembledCasing
-from fem.casing.reduced.reduction import Reduction, largest_entry
+from fem.casing.reduced.reduction import Reduction
 from fem.casing.reduced.undamped_modes import on_springs, undamped_modes
 from fem.elements.solids import rigid_body_modes
 from fem.storage.records import Record, array, names, scalar
@@ -122,17 +121,13 @@ def check_up(casing: AssembledCasing, reduction: Reduction) -> CheckUp:
     """Check a reduction with the loads of `casing` against its full model."""
     mass, centre, inertia = casing.mass_properties
     R = casing.rigid_motions(centre)
-    MR = casing.M @ R
+    MR = casing.inertial
     held = on_springs(reduction.stiffness, casing.springs)
     frequencies, phi = undamped_modes(held, reduction.mass)
     force = casing.expansion.T @ MR
     effective = (phi.T @ reduction.projected(force)) ** 2
-    moving = np.ones(len(R))
-    moving[casing.clamped] = 0.0
     return CheckUp(
-        stiffness_asymmetry=_asymmetry(casing.K),
-        mass_asymmetry=_asymmetry(casing.M),
-        grounding=float(abs(casing.K @ R).max() / (largest_entry(casing.K) * abs(R).max())),
+        **casing.free_body,
         **_rigid_items(casing, reduction, R, MR, mass, inertia),
         **_reduced_items(casing, reduction, held, force[:, :3]),
         mass=mass,
@@ -140,15 +135,9 @@ def check_up(casing: AssembledCasing, reduction: Reduction) -> CheckUp:
         inertia=inertia,
         frequencies=frequencies,
         effective_mass=effective,
-        movable=np.einsum("im,im->m", moving[:, None] * R, casing.M @ (moving[:, None] * R)),
+        movable=casing.movable,
         limit_names=tuple(_LIMITS),
     )
-
-
-def _asymmetry(matrix: sp.csr_matrix) -> float:
-    """Asymmetry from one product with a random sign vector, in which differences do not cancel."""
-    signs = np.random.default_rng(0).choice([-1.0, 1.0], matrix.shape[0])
-    return float(abs(matrix @ signs - matrix.T @ signs).max(initial=0.0) / largest_entry(matrix))
 
 
 def _rigid_items(
@@ -181,7 +170,7 @@ def _on_clamped_feet(
     Each foot moves as a rigid patch, six columns per foot; the other unknowns follow by the stiffness, free of forces.
     """
     E, clamped, motion = casing.expansion, casing.clamped, casing.foot_motions(R)
-    K_clamped, led = casing.K[clamped], motion[clamped]
+    K_clamped, led = casing.K_clamped, motion[clamped]
     motion -= E @ reduction.loaded[:, :-3]
     together = motion.reshape(len(R), -1, 6).sum(axis=1)
     condensed = led.T @ (K_clamped @ motion)
@@ -193,26 +182,25 @@ def _on_springs(
     casing: AssembledCasing, reduction: Reduction, R: np.ndarray, MR: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """As `_on_clamped_feet`, for feet on springs: the ground under the springs moves, three columns per foot."""
-    from fem.numerics.sparse_product import product
-
-    at_feet, motion = np.flatnonzero(casing.springs), casing.expansion @ reduction.loaded[:, :-3]
+    at_feet, motion = np.flatnonzero(casing.springs), reduction.loaded[:, :-3]
     feet = np.array([casing.mesh.point(name) for name in casing.mesh.patches("ground_")])
     ground = rigid_body_modes(feet, casing.mass_properties[1])
     forces = casing.springs[at_feet, None] * (casing.rows[at_feet] @ reduction.loaded[:, -3:])
-    return motion, motion @ ground, motion.T @ product(casing.K, motion), -ground[:, :3].T @ forces
+    condensed, motion = motion.T @ (casing.K_free @ motion), casing.expansion @ motion
+    return motion, motion @ ground, condensed, -ground[:, :3].T @ forces
 
 
 def _reduced_items(
     casing: AssembledCasing, reduction: Reduction, held: np.ndarray, gravity: np.ndarray
 ) -> dict[str, float]:
     """Definiteness, block forms by products of full matrices with random vectors, static response of the interface."""
-    b, E = reduction.constraint.shape[1], casing.expansion
+    b = reduction.constraint.shape[1]
     signs = np.random.default_rng(0).choice([-1.0, 1.0], (b + reduction.modes.shape[1], _VECTORS))
     omega = np.maximum(2 * math.pi * reduction.frequencies, 1.0)[:, None]
     scale = np.sqrt(np.diag(reduction.stiffness)[:b, None])
     at_interface = reduction.constraint @ (signs[:b] / scale)
-    between = reduction.modes.T @ (E.T @ (casing.K @ (E @ at_interface))) / omega
-    identity = reduction.modes.T @ (E.T @ (casing.M @ (E @ (reduction.modes @ signs[b:]))))
+    between = reduction.modes.T @ (casing.K_free @ at_interface) / omega
+    identity = reduction.modes.T @ (casing.M_free @ (reduction.modes @ signs[b:]))
     exact = scale * (casing.rows @ reduction.loaded[:, -3:])
     found = scale * la.solve(held, reduction.projected(gravity))[:b]
     static = abs(found - exact).max(initial=0.0) / abs(exact).max(initial=np.finfo(float).tiny)

@@ -24,9 +24,9 @@ from fem.casing.parts.casing_choices import FEWEST_MOUNTS, JOINTS, Attachment, G
 from fem.casing.parts.regions import Region, elements_inside
 from fem.casing.parts.split_mesh import split_mesh
 from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
-from fem.casing.reduced.halves import Places, Subspace, projected, subspaces_of
+from fem.casing.reduced.halves import Places, Subspace, projected, subspaces_of, together
 from fem.casing.reduced.reduced_body import BEARING_AXES
-from fem.casing.reduced.reduction import Interface, held_interface
+from fem.casing.reduced.reduction import Interface, held_interface, largest_entry
 from fem.elements.materials import Material
 from fem.elements.solids import mass_properties, rigid_body_modes
 from fem.numerics.linear_solver import Solver
@@ -46,15 +46,18 @@ class ForcedPoint:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AssembledCasing:
-    """Free-body matrices, the unknowns q after clamping and rigid patches, u = E q, and the rows of the interface."""
+    """Matrices of the unknowns q after clamping and rigid patches, u = E q, and the rows of the interface."""
 
     mesh: CasingMesh
     material: Material
     ground: Ground
     attachment: Attachment
-    K: sp.csr_matrix  # (u, u), the free body with its joints: 3 node + axis, then added unknowns
-    M: sp.csr_matrix
-    expansion: sp.csr_matrix  # E (u, n)
+    subspaces: tuple[Subspace, ...]  # all motions q, or the two halves of a casing with a mirror plane
+    expansion: sp.csr_matrix  # E (u, n); u: 3 node + axis, then added unknowns
+    K_clamped: sp.csr_matrix  # (clamped, u), rows of the stiffness of the free body
+    inertial: np.ndarray  # M R (u, 6), with the rigid motions R about the centre of gravity
+    free_body: Mapping[str, float]  # results of `_free_body`
+    movable: np.ndarray  # (6,), mass and inertia outside clamped nodes, SI
     clamped: np.ndarray  # of the unknowns; empty on springs
     added: Places  # positions of all nodes and added unknowns
     coordinate_names: tuple[str, ...]  # of the interface, "ground_1:ux", ..., "bearing_1:ux", ...
@@ -69,25 +72,13 @@ class AssembledCasing:
 
     @property
     def K_free(self) -> sp.csr_matrix:
-        """Stiffness E^T K E (n, n) without the reference springs, computed at every call: it is as large as K."""
-        return projected(self.K, self.expansion)
+        """Stiffness E^T K E (n, n) without the reference springs; only products with it if the casing is divided."""
+        return together([(one.motions, one.K) for one in self.subspaces])
 
     @property
     def M_free(self) -> sp.csr_matrix:
-        """Mass E^T M E (n, n), computed at every call."""
-        return projected(self.M, self.expansion)
-
-    @property
-    def subspaces(self) -> tuple[Subspace, ...]:
-        """All motions q, or the two halves of a casing with a mirror plane."""
-        return subspaces_of(
-            None if self.attachment == "rigid" else self.added,
-            self.K,
-            self.M,
-            self.rows,
-            expansion=self.expansion,
-            penalty=self.penalty,
-        )
+        """Mass E^T M E (n, n), likewise."""
+        return together([(one.motions, one.M) for one in self.subspaces])
 
     @property
     def penalty(self) -> np.ndarray | None:
@@ -116,10 +107,10 @@ class AssembledCasing:
         """
         R, E = self.rigid_motions(self.mass_properties[1]), self.expansion
         if self.penalty is None:
-            ground = E.T @ (self.K[self.clamped].T @ self.foot_motions(R)[self.clamped])
+            ground = E.T @ (self.K_clamped.T @ self.foot_motions(R)[self.clamped])
         else:
             ground = (self.rows.T @ sp.diags_array(self.springs)).toarray()[:, self.springs > 0.0]
-        return np.hstack([ground, E.T @ (self.M @ R[:, :3])])
+        return np.hstack([ground, E.T @ self.inertial[:, :3]])
 
     def on_springs(self, springs: np.ndarray) -> sp.csr_matrix:
         """K of the unknowns q with springs (interface,) at the interface coordinates."""
@@ -134,30 +125,28 @@ class AssembledCasing:
 
     def rigid_motions(self, centre: np.ndarray) -> np.ndarray:
         """Unit translations and rotations about a centre (u, 6); zero in added unknowns."""
-        out = np.zeros((self.K.shape[0], 6))
-        out[: 3 * len(self.mesh.nodes)] = rigid_body_modes(self.mesh.nodes, centre)
-        return out
+        return _rigid_motions(self.mesh, self.expansion.shape[0], centre)
 
     @property
-    def not_cubic(self) -> np.ndarray:
-        """Whether an unknown q (n,) is not a cubic displacement of an element."""
-        left = np.ones(self.unknowns, bool)
-        left[self.unknowns - len(self.added.numbers) :] = self.added.numbers >= KINDS_APART
-        return left
+    def cubic(self) -> np.ndarray:
+        """Whether an unknown q (n,) is a cubic displacement of an element."""
+        nodal = np.zeros(self.unknowns - len(self.added.numbers), bool)
+        return np.append(nodal, self.added.numbers < KINDS_APART)
 
     def quadratic(self) -> AssembledCasing:
         """The same casing without the cubic displacements of its elements, which are hierarchical."""
-        left = self.not_cubic
+        cubic = self.cubic
         return replace(
             self,
             mesh=replace(self.mesh, cubic=0),
-            expansion=sp.csr_matrix(self.expansion[:, left]),
-            rows=sp.csr_matrix(self.rows[:, left]),
+            subspaces=tuple(one.without(cubic) for one in self.subspaces),
+            expansion=sp.csr_matrix(self.expansion[:, ~cubic]),
+            rows=sp.csr_matrix(self.rows[:, ~cubic]),
             parts={},
         )
 
     def held(self, solver: Solver = "auto") -> GroundedCasing:
-        """The factorised casing with the constraint modes of its interface.
+        """The factorised casing, if it is not divided, with the constraint modes of its interface.
 
         Parameters
         ----------
@@ -188,6 +177,7 @@ def assembled_casing(
     attachment: Attachment = "mean",
     regions: Sequence[Region] = (),
     joint: BoltedJoint | None = None,
+    divided: bool = False,
 ) -> AssembledCasing:
     """Assemble a casing, clamp or free the feet, and attach the points.
 
@@ -200,6 +190,7 @@ def assembled_casing(
     attachment : a point has the "mean" motion of its patch, or the patch is "rigid"
     regions : parts of the housing whose stiffness is stored separately
     joint : bolts between two halves; None: one body
+    divided : keep only the matrices of both halves if the casing has a mirror plane
 
     Raises
     ------
@@ -240,21 +231,57 @@ def assembled_casing(
         parts[JOINTS] = projected(bolts, expansion)
     give_back()
     reference = material.elastic_modulus * mesh.element_size
+    springs = np.array([reference if name.startswith("ground_") else 0.0 for name in names])
+    places, clamped = Places(mesh.nodes, added.places, added.numbers), unknowns_of(clamped_nodes)
+    centre = mass_properties(mesh.nodes, mesh.elements, material.density)[1]
+    R = _rigid_motions(mesh, K.shape[0], centre)
+    moving = R.copy()
+    moving[clamped] = 0.0
     return AssembledCasing(
         mesh=mesh,
         material=material,
         ground=ground,
         attachment=attachment,
-        K=K,
-        M=M,
+        subspaces=subspaces_of(
+            places if divided and attachment == "mean" else None,
+            K,
+            M,
+            rows,
+            expansion=expansion,
+            penalty=springs if on_springs else None,
+        ),
         expansion=expansion,
-        clamped=unknowns_of(clamped_nodes),
-        added=Places(mesh.nodes, added.places, added.numbers),
+        K_clamped=K[clamped],
+        inertial=M @ R,
+        free_body=_free_body(K, M, R),
+        movable=np.einsum("im,im->m", moving, M @ moving),
+        clamped=clamped,
+        added=places,
         coordinate_names=names,
         rows=rows,
-        springs=np.array([reference if name.startswith("ground_") else 0.0 for name in names]),
+        springs=springs,
         parts=parts,
     )
+
+
+def _rigid_motions(mesh: CasingMesh, size: int, centre: np.ndarray) -> np.ndarray:
+    """Unit translations and rotations about a centre (size, 6); zero in added unknowns."""
+    return np.vstack([rigid_body_modes(mesh.nodes, centre), np.zeros((size - 3 * len(mesh.nodes), 6))])
+
+
+def _free_body(K: sp.csr_matrix, M: sp.csr_matrix, R: np.ndarray) -> dict[str, float]:
+    """Items of `fem.casing.reduced.checkup.CheckUp` from the matrices of the free body and its rigid motions R."""
+    return {
+        "stiffness_asymmetry": asymmetry(K),
+        "mass_asymmetry": asymmetry(M),
+        "grounding": float(abs(K @ R).max() / (largest_entry(K) * abs(R).max())),
+    }
+
+
+def asymmetry(matrix: sp.csr_matrix) -> float:
+    """Asymmetry from one product with a random sign vector, in which differences do not cancel."""
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], matrix.shape[0])
+    return float(abs(matrix @ signs - matrix.T @ signs).max(initial=0.0) / largest_entry(matrix))
 
 
 def _tied(

@@ -15,8 +15,8 @@ Reference: Bossavit (1986), Comput. Methods Appl. Mech. Eng. 56(2), 167-215 (sym
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg as la
@@ -33,7 +33,6 @@ from fem.numerics.unknowns import unknowns_of
 
 _SAME = 1e-7  # of the size of the body: a node this close to the image of another is its image
 _ROUNDING = 1e-10  # relative tolerance of products that should be equal
-_NO_LOAD = 1e-13  # share of the load of a body below which the load of a half is round-off
 _SHARE = 0.6  # of the requested modes: first number computed in each half
 
 
@@ -42,11 +41,24 @@ class Subspace:
     """Motions of a body that are uncoupled from its others: all of them or those of one half, with their interface."""
 
     motions: sp.csr_matrix  # Q (n, n_h), orthonormal columns; 0 for unknowns at rest
+    numbers: np.ndarray  # (n_h,) of the unknowns q whose motions they are, on one side of the mirror plane
     coordinates: np.ndarray  # C (b, b_h), orthonormal
-    stiffness: spla.LinearOperator  # K (n_h, n_h), products with it
-    matrices: Callable[[], tuple[sp.csr_matrix, sp.csr_matrix]]  # K and M (n_h, n_h), computed at every call
+    K: sp.csr_matrix  # (n_h, n_h)
+    M: sp.csr_matrix
     rows: sp.csr_matrix  # of the interface (b_h, n_h)
     penalty: np.ndarray | None  # (b_h,)
+
+    def without(self, omitted: np.ndarray) -> Subspace:
+        """The motions with unknowns q (n,) at rest, which are left out."""
+        own = ~omitted[self.numbers]
+        return replace(
+            self,
+            motions=sp.csr_matrix(self.motions[~omitted][:, own]),
+            numbers=(np.cumsum(~omitted) - 1)[self.numbers[own]],
+            K=sp.csr_matrix(self.K[own][:, own]),
+            M=sp.csr_matrix(self.M[own][:, own]),
+            rows=sp.csr_matrix(self.rows[:, own]),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,18 +123,17 @@ def subspaces_of(
         stiffness = np.zeros(rows.shape[0]) if penalty is None else penalty
         if turned is not None and np.allclose(turned * stiffness, stiffness[:, None] * turned):
             return _halves(reflection, turned, K, M, expansion, rows, penalty)
-
-    def matrices() -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        return projected(K, expansion), projected(M, expansion)
-
     n, b = expansion.shape[1], rows.shape[0]
-    return (Subspace(sp.eye_array(n, format="csr"), np.eye(b), _within(K, expansion), matrices, rows, penalty),)
+    own_K, own_M = projected(K, expansion), projected(M, expansion)
+    return (Subspace(sp.eye_array(n, format="csr"), np.arange(n), np.eye(b), own_K, own_M, rows, penalty),)
 
 
-def _within(K: sp.csr_matrix, motions: sp.csr_matrix) -> spla.LinearOperator:
-    """Products with Q^T K Q."""
-    Q = spla.aslinearoperator(motions)
-    return Q.T @ spla.aslinearoperator(K) @ Q
+def together(matrices: Sequence[tuple[sp.csr_matrix, sp.csr_matrix]]) -> sp.csr_matrix | spla.LinearOperator:
+    """Products with the sum of Q A Q^T over the subspaces of a body, from all Q and A; A of an undivided body."""
+    if len(matrices) == 1:
+        return matrices[0][1]
+    one, other = (spla.aslinearoperator(Q) @ spla.aslinearoperator(A) @ spla.aslinearoperator(Q.T) for Q, A in matrices)
+    return one + other
 
 
 def projected(matrix: sp.csr_matrix, expansion: sp.csr_matrix) -> sp.csr_matrix:
@@ -138,7 +149,7 @@ def reduced_and_counted(
     loads: np.ndarray,
     *,
     highest: float | None,
-    enrich: bool = True,
+    count: int = 0,
     solver: Solver = "auto",
 ) -> tuple[Reduction, int]:
     """Reduce a body one subspace at a time; the number of modes is verified by a Sturm-sequence count.
@@ -147,7 +158,8 @@ def reduced_and_counted(
     ----------
     subspaces : of the body
     loads : (n, l), those of `held_interface`
-    highest, enrich : those of `reduce_body`; None: no modes, and no number
+    highest : Hz, every mode up to it, with the inertia correction; or None:
+    count : number of modes of every subspace, not verified; 0: static condensation
     solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
@@ -156,15 +168,12 @@ def reduced_and_counted(
     """
 
     def reduced(one: Subspace) -> tuple[Reduction, int]:
-        K, M = one.matrices()
-        give_back()
-        held = held_interface(K, one.rows, penalty=one.penalty, loads=one.motions.T @ loads, solver=solver)
+        held = held_interface(one.K, one.rows, penalty=one.penalty, loads=one.motions.T @ loads, solver=solver)
         if highest is None:
-            return reduce_body(held, K, M, count=0, enrich=False), 0
-        counted = count_fixed_modes(held, K, M, highest)
-        del K  # not needed beside the vectors
+            return reduce_body(held, one.K, one.M, count=count, enrich=count > 0), 0
+        counted = count_fixed_modes(held, one.K, one.M, highest)
         give_back()
-        reduction = reduce_body(held, one.stiffness, M, highest=highest, enrich=enrich)
+        reduction = reduce_body(held, one.K, one.M, highest=highest)
         if reduction.n_fixed != counted:
             raise EigenError(
                 f"casing: {reduction.n_fixed} fixed-interface modes found below {highest:g} Hz, {counted} exist; "
@@ -178,7 +187,10 @@ def reduced_and_counted(
         give_back()
         reductions.append(found)
         total += counted
-    return _joined(subspaces, reductions), total
+    joined = _joined(subspaces, reductions)
+    del found, reductions  # as large as the result
+    give_back()
+    return joined, total
 
 
 def lowest(subspaces: Sequence[Subspace], count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -199,7 +211,7 @@ def lowest(subspaces: Sequence[Subspace], count: int) -> tuple[np.ndarray, np.nd
     """
 
     def of_each(number: int) -> list[tuple[np.ndarray, np.ndarray]]:
-        return [block_lanczos(factorize(K).solve, M, count=number) for K, M in (one.matrices() for one in subspaces)]
+        return [block_lanczos(factorize(one.K).solve, one.M, count=number) for one in subspaces]
 
     found = of_each(count if len(subspaces) == 1 else math.ceil(_SHARE * count))
     if np.sort(np.concatenate([theta for theta, _ in found]))[-count:][0] < max(theta[-1] for theta, _ in found):
@@ -301,11 +313,10 @@ def _halves(
             found.data *= np.repeat(scale, np.diff(found.indptr))
             return found
 
-        def matrices() -> tuple[sp.csr_matrix, sp.csr_matrix]:
-            return sp.csr_matrix(of_half(K) + sp.diags_array(np.where(share > 0.0, 0.0, largest))), of_half(M)
-
+        own_K = sp.csr_matrix(of_half(K) + sp.diags_array(np.where(share > 0.0, 0.0, largest)))
+        own_rows = sp.csr_matrix(C.T @ (rows @ Q).toarray())
         own_penalty = None if penalty is None else np.einsum("ij,i,ij->j", C, penalty, C)
-        return Subspace(Q, C, _within(K, in_body), matrices, sp.csr_matrix(C.T @ (rows @ Q).toarray()), own_penalty)
+        return Subspace(Q, reflection.kept, C, own_K, of_half(M), own_rows, own_penalty)
 
     return half(1.0), half(-1.0)
 

@@ -25,7 +25,6 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
-from scipy.sparse.linalg import LinearOperator
 
 from fem.casing.reduced.lanczos import block_lanczos, m_orthonormal
 from fem.numerics.linear_solver import Factor, Solver, factorize
@@ -124,7 +123,7 @@ def held_interface(
 
 def reduce_body(
     interface: Interface,
-    K: sp.spmatrix | LinearOperator,
+    K: sp.spmatrix,
     M: sp.spmatrix,
     *,
     highest: float | None = None,
@@ -136,7 +135,7 @@ def reduce_body(
     Parameters
     ----------
     interface : of the same body
-    K, M : (n, n), stiffness and mass in SI, M sparse; K without the penalty of the interface
+    K, M : sparse (n, n), stiffness and mass in SI; K without the penalty of the interface
     highest : Hz, keep every mode up to it; or
     count : number of modes kept, 0 gives static condensation
     enrich : add the inertia correction (as many columns as there are interface coordinates, if independent)
@@ -156,7 +155,7 @@ def reduce_body(
     M_Psi = product(M, Psi)
     extra = _beyond(modes, interface.inverse(M_Psi), M) if enrich and Psi.shape[1] else modes[:, :0]
     if extra.shape[1]:
-        value, vector = la.eigh(_symmetric(extra.T @ (K @ extra)))
+        value, vector = la.eigh(_symmetric(extra.T @ product(sp.csr_matrix(K), extra)))
         modes = np.hstack([modes, extra @ vector])
         frequencies = np.concatenate([frequencies, np.sqrt(value) / (2.0 * math.pi)])
     between = M_Psi.T @ modes
@@ -196,7 +195,7 @@ def _symmetric(matrix: np.ndarray) -> np.ndarray:
 
 
 def _fixed_modes(
-    interface: Interface, K: sp.spmatrix | LinearOperator, M: sp.csr_matrix, highest: float | None, count: int | None
+    interface: Interface, K: sp.spmatrix, M: sp.csr_matrix, highest: float | None, count: int | None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Theta = 1/omega^2 (m,), descending, and modes (n, m) of P M."""
     n, held = M.shape[0], interface.rows.shape[0]

@@ -24,7 +24,7 @@ from fem.casing.reduced.casing_modes import CasingModes
 from fem.casing.reduced.grounded import AssembledCasing
 from fem.casing.reduced.halves import lowest, reduced_and_counted
 from fem.casing.reduced.reduced_body import MODES_OVER_BAND
-from fem.casing.reduced.reduction import Reduction, reduce_body
+from fem.casing.reduced.reduction import Reduction
 from fem.casing.reduced.undamped_modes import undamped_modes
 from fem.casing.uncertainty.cubic_limits import cubic_limits
 from fem.casing.uncertainty.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
@@ -73,15 +73,17 @@ def lowest_modes(assembled: AssembledCasing, *, static: bool) -> LowestModes:
             theta, phi = lowest(assembled.subspaces, MODES)
             frequencies = 1.0 / (2.0 * np.pi * np.sqrt(theta))
         else:
-            casing = assembled.held()
             count = 0 if static else 2 * MODES  # enough for a negligible error in the lowest half
-            reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=count, enrich=not static)
+            loads = np.zeros((assembled.unknowns, 0))
+            reduction, _ = reduced_and_counted(assembled.subspaces, loads, highest=None, count=count)
             frequencies, vectors = _elastic(reduction.stiffness, reduction.mass, ground)
             phi = reduction.expanded(vectors)
     return _sampled(assembled, frequencies, phi)
 
 
-def quadratic_modes(assembled: AssembledCasing, reduction: Reduction, *, static: bool) -> LowestModes:
+def quadratic_modes(
+    quadratic: AssembledCasing, cubic: np.ndarray, reduction: Reduction, *, static: bool
+) -> LowestModes:
     """The modes of a casing without the cubic displacements of its elements, from those with them.
 
     The latter, X with omega, are so close that one inverse iteration is sufficient,
@@ -93,26 +95,26 @@ def quadratic_modes(assembled: AssembledCasing, reduction: Reduction, *, static:
 
     Parameters
     ----------
-    assembled : the casing with cubic displacements
-    reduction : of it
+    quadratic : the casing without cubic displacements
+    cubic : bool (n,), its unknowns with them that are cubic displacements
+    reduction : of the casing with them
     static : as in `lowest_modes`
 
     Raises
     ------
     as `AssembledCasing.held`
     """
-    quadratic = assembled.quadratic()
     if static:
         return lowest_modes(quadratic, static=True)
     squares, vectors = (
         some[..., : RIGID_MOTIONS + MODES + _GUARD] for some in la.eigh(reduction.stiffness, reduction.mass)
     )
-    X = reduction.expanded(vectors)[assembled.not_cubic]
+    X = reduction.expanded(vectors)[~cubic]
     M, B, D = quadratic.M_free, quadratic.rows, quadratic.springs[:, None]
     loads = M @ (X * squares) + B.T @ (D * (B @ X))
     Y = reduced_and_counted(quadratic.subspaces, loads, highest=None)[0].loaded
     K_small = Y.T @ loads - (B @ Y).T @ (D * (B @ Y))
-    frequencies, small = _elastic(0.5 * (K_small + K_small.T), Y.T @ (M @ Y), assembled.ground)
+    frequencies, small = _elastic(0.5 * (K_small + K_small.T), Y.T @ (M @ Y), quadratic.ground)
     return _sampled(quadratic, frequencies, Y @ small)
 
 

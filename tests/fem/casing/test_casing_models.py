@@ -19,8 +19,8 @@ from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.attachment import AttachmentError
 from fem.casing.reduced.casing_modes import CasingModes, casing_modes, reduced_body
-from fem.casing.reduced.checkup import _asymmetry, check_up
-from fem.casing.reduced.grounded import assembled_casing
+from fem.casing.reduced.checkup import check_up
+from fem.casing.reduced.grounded import assembled_casing, asymmetry
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduced_body import BEARING_AXES
 from fem.casing.reduced.reduction import reduce_body
@@ -283,6 +283,6 @@ def test_one_entry_that_differs_from_its_mirror_is_measured_at_its_size(error):
     places, values = np.random.default_rng(1).random((2, 300, 300))
     half = sp.csr_array(np.where(places < 0.02, values, 0.0))
     whole = (half + half.T).tolil()
-    assert _asymmetry(whole.tocsr()) < 1e-14
+    assert asymmetry(whole.tocsr()) < 1e-14
     whole[3, 40] += error * whole.tocsr().max()
-    assert _asymmetry(whole.tocsr()) == pytest.approx(abs(error), rel=1e-5)
+    assert asymmetry(whole.tocsr()) == pytest.approx(abs(error), rel=1e-5)

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import scipy.linalg as la
-import scipy.sparse as sp
 from housings import angle_casing, short_housing
 from threadpoolctl import threadpool_limits
 
 from fem.casing.enrichment.added_unknowns import added_functions
+from fem.casing.geometry.dimensions import Sensor
 from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.reduced import halves
-from fem.casing.reduced.grounded import assembled_casing
+from fem.casing.reduced.grounded import ForcedPoint, assembled_casing
 from fem.casing.reduced.halves import lowest, reduced_and_counted, subspaces_of
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.sturm_count import count_fixed_modes
@@ -51,27 +49,23 @@ def mesh(body):
 
 @pytest.fixture(scope="module")
 def fixed(mesh):
-    """The casing on fixed feet, with its interface in one piece."""
-    return assembled_casing(mesh, CAST_IRON).held()
+    """The casing on fixed feet, in one piece and divided."""
+    return assembled_casing(mesh, CAST_IRON).held(), assembled_casing(mesh, CAST_IRON, divided=True)
 
 
 @pytest.fixture(scope="module")
 def springs(mesh):
     """The same on springs."""
-    return assembled_casing(mesh, CAST_IRON, ground="springs").held()
-
-
-def undivided(casing):
-    """All motions of a casing together."""
-    return subspaces_of(None, casing.K, casing.M, casing.rows, expansion=casing.expansion)
+    held = {"ground": "springs"}
+    return assembled_casing(mesh, CAST_IRON, **held).held(), assembled_casing(mesh, CAST_IRON, **held, divided=True)
 
 
 @pytest.mark.parametrize("ground", ["fixed", "springs"])
 def test_both_halves_together_are_the_whole(ground, body, request):
     highest, _ = body
-    casing = request.getfixturevalue(ground)
-    assert len(casing.subspaces) == 2
-    found, number = reduced_and_counted(casing.subspaces, casing.loads, highest=highest)
+    casing, divided = request.getfixturevalue(ground)
+    assert len(divided.subspaces) == 2
+    found, number = reduced_and_counted(divided.subspaces, divided.loads, highest=highest)
     whole = casing.interface
     b = len(whole.stiffness)
     assert found.stiffness[:b, :b] == pytest.approx(whole.stiffness, rel=1e-9, abs=1e-10 * abs(whole.stiffness).max())
@@ -90,38 +84,38 @@ def test_both_halves_together_are_the_whole(ground, body, request):
 @pytest.mark.parametrize("count", [1, 3, 12])
 def test_none_of_the_lowest_modes_is_left_out(fixed, count):
     """However they fall to the halves: the first few may all be of one of them."""
-    found, modes = lowest(fixed.subspaces, count)
-    exact, _ = lowest(undivided(fixed), count)
+    casing, divided = fixed
+    found, modes = lowest(divided.subspaces, count)
+    exact, _ = lowest(casing.subspaces, count)
     assert found == pytest.approx(exact, rel=1e-9)
-    assert modes.T @ (fixed.M_free @ modes) == pytest.approx(np.eye(count), abs=1e-9)
+    assert modes.T @ (casing.M_free @ modes) == pytest.approx(np.eye(count), abs=1e-9)
 
 
 def test_halves_that_give_too_few_modes_are_solved_for_all_of_them(fixed, monkeypatch):
     """As where most of the lowest modes are of one half: here each is asked for two of twelve first."""
     monkeypatch.setattr(halves, "_SHARE", 0.1)
-    found, _ = lowest(fixed.subspaces, 12)
-    exact, _ = lowest(undivided(fixed), 12)
+    (exact, _), (found, _) = (lowest(one.subspaces, 12) for one in fixed)
     assert found == pytest.approx(exact, rel=1e-9)
 
 
 def test_each_half_moves_as_it_is_called(mesh, fixed):
-    free = np.delete(mesh.nodes, fixed.clamped[::3] // 3, axis=0)
+    free = np.delete(mesh.nodes, fixed[0].clamped[::3] // 3, axis=0)
     key = np.round(free * 1e6).astype(int)
     place = {tuple(row): number for number, row in enumerate(key.tolist())}
     image = [place[x, -y, z] for x, y, z in key.tolist()]
-    for half, parity in zip(fixed.subspaces, (1.0, -1.0), strict=True):
+    for half, parity in zip(fixed[1].subspaces, (1.0, -1.0), strict=True):
         amplitudes = np.random.default_rng(2).standard_normal(half.motions.shape[1])
         motion = (half.motions @ amplitudes)[: free.size].reshape(-1, 3)
         assert motion[image] * [1.0, -1.0, 1.0] == pytest.approx(parity * motion, abs=1e-12)
 
 
-def test_a_casing_without_a_mirror_plane_stays_in_one_piece(fixed):
+def test_a_casing_without_a_mirror_plane_stays_in_one_piece(mesh):
     """Wider on one side, a force at one point: half of it is not like the other half."""
     wider = angle_casing(CUBIC, move=lambda places: places * np.where(places[:, 1:2] > 0.0, [1.0, 1.2, 1.0], 1.0))
-    assert len(assembled_casing(wider, CAST_IRON).subspaces) == 1
-    force = sp.csr_matrix(([1.0], ([0], [2])), shape=(1, fixed.unknowns))
-    assert len(fixed.subspaces) == 2
-    assert len(replace(fixed, rows=sp.csr_matrix(sp.vstack([fixed.rows, force]))).subspaces) == 1
+    assert len(assembled_casing(wider, CAST_IRON, divided=True).subspaces) == 1
+    middles = mesh.nodes[mesh.facets[:, :4]].mean(axis=1)
+    force = ForcedPoint(sensor=Sensor(name="side", position=tuple(middles[middles[:, 1].argmax()])), axes=("uz",))
+    assert len(assembled_casing(mesh, CAST_IRON, forced=(force,), divided=True).subspaces) == 1
 
 
 def test_functions_of_two_kinds_at_one_place_are_told_apart():
@@ -135,7 +129,9 @@ def test_functions_of_two_kinds_at_one_place_are_told_apart():
 
 
 def test_springs_that_differ_from_side_to_side_keep_it_whole(springs):
-    feet = np.flatnonzero(springs.springs)
-    uneven = np.where(np.arange(len(springs.springs)) == feet[0], 2.0, 1.0) * springs.springs
-    assert len(springs.subspaces) == 2
-    assert len(replace(springs, springs=uneven).subspaces) == 1
+    casing, _ = springs
+    first = np.flatnonzero(casing.springs)[0]
+    for factor, pieces in ((1.0, 2), (2.0, 1)):
+        penalty = np.where(np.arange(len(casing.springs)) == first, factor, 1.0) * casing.springs
+        body = (casing.added, casing.K_free, casing.M_free, casing.rows)
+        assert len(subspaces_of(*body, expansion=casing.expansion, penalty=penalty)) == pieces
