@@ -26,10 +26,9 @@ from fem.casing.parts.split_mesh import split_mesh
 from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
 from fem.casing.reduced.halves import Places, Subspace, projected, subspaces_of, together
 from fem.casing.reduced.reduced_body import BEARING_AXES
-from fem.casing.reduced.reduction import Interface, held_interface, largest_entry
+from fem.casing.reduced.reduction import largest_entry
 from fem.elements.materials import Material
 from fem.elements.solids import mass_properties, rigid_body_modes
-from fem.numerics.linear_solver import Solver
 from fem.numerics.memory import give_back
 from fem.numerics.unknowns import unknowns_of
 
@@ -144,27 +143,6 @@ class AssembledCasing:
             rows=sp.csr_matrix(self.rows[:, ~cubic]),
             parts={},
         )
-
-    def held(self, solver: Solver = "auto") -> GroundedCasing:
-        """The factorised casing, if it is not divided, with the constraint modes of its interface.
-
-        Parameters
-        ----------
-        solver : see `fem.numerics.linear_solver.factorize`
-
-        Raises
-        ------
-        SingularMatrixError : a part of the mesh is not connected
-        """
-        interface = held_interface(self.K_free, self.rows, penalty=self.penalty, loads=self.loads, solver=solver)
-        return GroundedCasing(**vars(self), interface=interface)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class GroundedCasing(AssembledCasing):
-    """A factorised casing with held interface."""
-
-    interface: Interface
 
 
 def assembled_casing(

@@ -65,7 +65,7 @@ def lowest_modes(assembled: AssembledCasing, *, static: bool) -> LowestModes:
 
     Raises
     ------
-    as `AssembledCasing.held` and `reduce_body`
+    as `reduced_and_counted`
     """
     ground = assembled.ground
     with threadpool_limits(1):  # the expensive steps run in two parallel halves
@@ -102,7 +102,7 @@ def quadratic_modes(
 
     Raises
     ------
-    as `AssembledCasing.held`
+    as `reduced_and_counted`
     """
     if static:
         return lowest_modes(quadratic, static=True)

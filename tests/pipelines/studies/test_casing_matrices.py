@@ -12,6 +12,7 @@ import pytest
 import scipy.io
 import scipy.linalg as la
 import scipy.sparse as sp
+from factored_casing import factored
 from housings import short_housing
 from scipy.sparse.linalg import LinearOperator, eigsh
 from sources import ROOT
@@ -50,7 +51,7 @@ def full():
     """Mesh and full model of a small casing."""
     housing = short_housing()
     mesh = mesh_housing(housing, element_size=0.05)
-    return housing, mesh, assembled_casing(mesh, CAST_IRON).held()
+    return housing, mesh, factored(assembled_casing(mesh, CAST_IRON))
 
 
 @pytest.fixture(scope="module")
