@@ -18,5 +18,6 @@ class FactoredCasing(AssembledCasing):
 
 def factored(casing: AssembledCasing, solver: Solver = "auto") -> FactoredCasing:
     """A casing that is not divided, factorised by a solver of `fem.numerics.linear_solver.factorize`."""
-    interface = held_interface(casing.K_free, casing.rows, penalty=casing.penalty, loads=casing.loads, solver=solver)
+    springs = casing.springs if casing.ground == "springs" else None
+    interface = held_interface(casing.K_free, casing.rows, penalty=springs, loads=casing.loads, solver=solver)
     return FactoredCasing(**vars(casing), interface=interface)

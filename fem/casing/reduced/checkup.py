@@ -120,8 +120,7 @@ class CheckUp(Record):
 def check_up(casing: AssembledCasing, reduction: Reduction) -> CheckUp:
     """Check a reduction with the loads of `casing` against its full model."""
     mass, centre, inertia = casing.mass_properties
-    R = casing.rigid_motions(centre)
-    MR = casing.inertial
+    R, MR = casing.rigid, casing.inertial
     held = on_springs(reduction.stiffness, casing.springs)
     frequencies, phi = undamped_modes(held, reduction.mass)
     force = casing.expansion.T @ MR
@@ -169,7 +168,7 @@ def _on_clamped_feet(
 
     Each foot moves as a rigid patch, six columns per foot; the other unknowns follow by the stiffness, free of forces.
     """
-    E, clamped, motion = casing.expansion, casing.clamped, casing.foot_motions(R)
+    E, clamped, motion = casing.expansion, casing.clamped, casing.foot_motions
     K_clamped, led = casing.K_clamped, motion[clamped]
     motion -= E @ reduction.loaded[:, :-3]
     together = motion.reshape(len(R), -1, 6).sum(axis=1)

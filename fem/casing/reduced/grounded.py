@@ -54,8 +54,9 @@ class AssembledCasing:
     subspaces: tuple[Subspace, ...]  # all motions q, or the two halves of a casing with a mirror plane
     expansion: sp.csr_matrix  # E (u, n); u: 3 node + axis, then added unknowns
     K_clamped: sp.csr_matrix  # (clamped, u), rows of the stiffness of the free body
-    inertial: np.ndarray  # M R (u, 6), with the rigid motions R about the centre of gravity
-    free_body: Mapping[str, float]  # results of `_free_body`
+    rigid: np.ndarray  # R (u, 6), unit translations and rotations about the centre of gravity; 0 in added unknowns
+    inertial: np.ndarray  # M R (u, 6)
+    free_body: Mapping[str, float]  # items of `fem.casing.reduced.checkup.CheckUp` from the matrices of the free body
     movable: np.ndarray  # (6,), mass and inertia outside clamped nodes, SI
     clamped: np.ndarray  # of the unknowns; empty on springs
     added: Places  # positions of all nodes and added unknowns
@@ -80,22 +81,18 @@ class AssembledCasing:
         return together([(one.motions, one.M) for one in self.subspaces])
 
     @property
-    def penalty(self) -> np.ndarray | None:
-        """Reference springs (interface,) of the factorisation; None on fixed feet."""
-        return self.springs if self.ground == "springs" else None
-
-    @property
     def mass_properties(self) -> tuple[float, np.ndarray, np.ndarray]:
         """Mass (kg), centre of gravity (3,) in m and inertia tensor (3, 3) about it in kg m2."""
         return mass_properties(self.mesh.nodes, self.mesh.elements, self.material.density)
 
-    def foot_motions(self, R: np.ndarray) -> np.ndarray:
-        """Rigid motions R (u, 6) of single feet (u, 6 feet), zero elsewhere."""
+    @property
+    def foot_motions(self) -> np.ndarray:
+        """The rigid motions of single feet (u, 6 feet), zero elsewhere."""
         feet = self.mesh.patches("ground_")
-        motion = np.zeros((len(R), 6 * len(feet)))
+        motion = np.zeros((len(self.rigid), 6 * len(feet)))
         for index, name in enumerate(feet):
             unknowns = unknowns_of(np.unique(self.mesh.patch(name)))
-            motion[unknowns, 6 * index : 6 * index + 6] = R[unknowns]
+            motion[unknowns, 6 * index : 6 * index + 6] = self.rigid[unknowns]
         return motion
 
     @property
@@ -104,27 +101,16 @@ class AssembledCasing:
 
         The ground moves six ways at every clamped foot, or three ways under every spring.
         """
-        R, E = self.rigid_motions(self.mass_properties[1]), self.expansion
-        if self.penalty is None:
-            ground = E.T @ (self.K_clamped.T @ self.foot_motions(R)[self.clamped])
+        E = self.expansion
+        if self.ground == "fixed":
+            ground = E.T @ (self.K_clamped.T @ self.foot_motions[self.clamped])
         else:
             ground = (self.rows.T @ sp.diags_array(self.springs)).toarray()[:, self.springs > 0.0]
         return np.hstack([ground, E.T @ self.inertial[:, :3]])
 
-    def on_springs(self, springs: np.ndarray) -> sp.csr_matrix:
-        """K of the unknowns q with springs (interface,) at the interface coordinates."""
-        K = self.K_free
-        if not springs.any():
-            return K
-        return sp.csr_matrix(K + self.rows.T @ sp.diags_array(springs) @ self.rows)
-
     def expanded(self, q: np.ndarray) -> np.ndarray:
         """Displacements (3 node, k) of the mesh."""
         return self.expansion[: 3 * len(self.mesh.nodes)] @ q
-
-    def rigid_motions(self, centre: np.ndarray) -> np.ndarray:
-        """Unit translations and rotations about a centre (u, 6); zero in added unknowns."""
-        return _rigid_motions(self.mesh, self.expansion.shape[0], centre)
 
     @property
     def cubic(self) -> np.ndarray:
@@ -212,7 +198,7 @@ def assembled_casing(
     springs = np.array([reference if name.startswith("ground_") else 0.0 for name in names])
     places, clamped = Places(mesh.nodes, added.places, added.numbers), unknowns_of(clamped_nodes)
     centre = mass_properties(mesh.nodes, mesh.elements, material.density)[1]
-    R = _rigid_motions(mesh, K.shape[0], centre)
+    R = np.vstack([rigid_body_modes(mesh.nodes, centre), np.zeros((len(added), 6))])
     moving = R.copy()
     moving[clamped] = 0.0
     return AssembledCasing(
@@ -230,8 +216,13 @@ def assembled_casing(
         ),
         expansion=expansion,
         K_clamped=K[clamped],
+        rigid=R,
         inertial=M @ R,
-        free_body=_free_body(K, M, R),
+        free_body={
+            "stiffness_asymmetry": asymmetry(K),
+            "mass_asymmetry": asymmetry(M),
+            "grounding": float(abs(K @ R).max() / (largest_entry(K) * abs(R).max())),
+        },
         movable=np.einsum("im,im->m", moving, M @ moving),
         clamped=clamped,
         added=places,
@@ -240,20 +231,6 @@ def assembled_casing(
         springs=springs,
         parts=parts,
     )
-
-
-def _rigid_motions(mesh: CasingMesh, size: int, centre: np.ndarray) -> np.ndarray:
-    """Unit translations and rotations about a centre (size, 6); zero in added unknowns."""
-    return np.vstack([rigid_body_modes(mesh.nodes, centre), np.zeros((size - 3 * len(mesh.nodes), 6))])
-
-
-def _free_body(K: sp.csr_matrix, M: sp.csr_matrix, R: np.ndarray) -> dict[str, float]:
-    """Items of `fem.casing.reduced.checkup.CheckUp` from the matrices of the free body and its rigid motions R."""
-    return {
-        "stiffness_asymmetry": asymmetry(K),
-        "mass_asymmetry": asymmetry(M),
-        "grounding": float(abs(K @ R).max() / (largest_entry(K) * abs(R).max())),
-    }
 
 
 def asymmetry(matrix: sp.csr_matrix) -> float:

@@ -168,6 +168,7 @@ def reduced_and_counted(
     """
 
     def reduced(one: Subspace) -> tuple[Reduction, int]:
+        give_back()  # the factor of the subspace before
         held = held_interface(one.K, one.rows, penalty=one.penalty, loads=one.motions.T @ loads, solver=solver)
         if highest is None:
             return reduce_body(held, one.K, one.M, count=count, enrich=count > 0), 0
@@ -181,16 +182,8 @@ def reduced_and_counted(
             )
         return reduction, counted
 
-    reductions, total = [], 0
-    for one in subspaces:
-        found, counted = reduced(one)
-        give_back()
-        reductions.append(found)
-        total += counted
-    joined = _joined(subspaces, reductions)
-    del found, reductions  # as large as the result
-    give_back()
-    return joined, total
+    found = [reduced(one) for one in subspaces]
+    return _joined(subspaces, [reduction for reduction, _ in found]), sum(counted for _, counted in found)
 
 
 def lowest(subspaces: Sequence[Subspace], count: int) -> tuple[np.ndarray, np.ndarray]:

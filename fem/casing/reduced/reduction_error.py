@@ -103,7 +103,8 @@ def state_error(
     ------
     ValueError : the body has no row of a requested sensor
     """
-    solve = factorize(casing.on_springs(np.zeros(0) if springs is None else springs), solver=solver).solve
+    mounts = 0.0 if springs is None else casing.rows.T @ sp.diags_array(springs) @ casing.rows
+    solve = factorize(casing.K_free + mounts, solver=solver).solve
     smallest = (2.0 * math.pi * MODES_OVER_BAND * band) ** -2.0
     theta, phi = block_lanczos(solve, casing.M_free, smallest=smallest)
     full = 1.0 / (2.0 * math.pi * np.sqrt(theta))
