@@ -96,17 +96,17 @@ class AssembledCasing:
         return motion
 
     @property
-    def loads(self) -> np.ndarray:
+    def loads(self) -> sp.csr_matrix:
         """Forces (n, l) of unit motions of the ground, and last of unit gravity along x, y, z; for the check-up.
 
         The ground moves six ways at every clamped foot, or three ways under every spring.
         """
         E = self.expansion
         if self.ground == "fixed":
-            ground = E.T @ (self.K_clamped.T @ self.foot_motions[self.clamped])
+            ground = E.T @ (self.K_clamped.T @ sp.csr_matrix(self.foot_motions[self.clamped]))
         else:
-            ground = (self.rows.T @ sp.diags_array(self.springs)).toarray()[:, self.springs > 0.0]
-        return np.hstack([ground, E.T @ self.inertial[:, :3]])
+            ground = self.rows.T @ sp.diags_array(self.springs, format="csr")[:, self.springs > 0.0]
+        return sp.csr_matrix(sp.hstack([ground, E.T @ self.inertial[:, :3]]))
 
     def expanded(self, q: np.ndarray) -> np.ndarray:
         """Displacements (3 node, k) of the mesh."""

@@ -146,7 +146,7 @@ def projected(matrix: sp.csr_matrix, expansion: sp.csr_matrix) -> sp.csr_matrix:
 
 def reduced_and_counted(
     subspaces: Sequence[Subspace],
-    loads: np.ndarray,
+    loads: np.ndarray | sp.csr_matrix,
     *,
     highest: float | None,
     count: int = 0,

@@ -87,7 +87,7 @@ def held_interface(
     rows: sp.spmatrix,
     *,
     penalty: np.ndarray | None = None,
-    loads: np.ndarray | None = None,
+    loads: np.ndarray | sp.csr_matrix | None = None,
     solver: Solver = "auto",
 ) -> Interface:
     """Factorise A = K + B^T D B and compute the constraint modes.
@@ -109,7 +109,7 @@ def held_interface(
     A = K if penalty is None else K + rows.T @ sp.diags_array(penalty) @ rows
     factor = factorize(A, solver=solver)
     b = rows.shape[0]
-    found = factor.solve(np.hstack([rows.T.toarray(), *([] if loads is None else [loads])]))
+    found = factor.solve(sp.hstack([rows.T, *([] if loads is None else [loads])]).toarray())
     flexible = found[:, :b]  # A^-1 B^T
     S = rows @ flexible
     S = 0.5 * (S + S.T)
@@ -118,7 +118,7 @@ def held_interface(
         raise ReductionError(f"the {len(S)} interface rows are not independent; remove a row or separate the patches")
     inverse = la.inv(S) if S.size else S
     stiffness = 0.5 * (inverse + inverse.T) - (np.diag(penalty) if penalty is not None else 0.0)
-    return Interface(factor, rows, flexible @ inverse, stiffness, found[:, b:])
+    return Interface(factor, rows, flexible @ inverse, stiffness, found[:, b:].copy())
 
 
 def reduce_body(

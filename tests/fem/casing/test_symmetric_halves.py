@@ -70,7 +70,10 @@ def test_both_halves_together_are_the_whole(ground, body, request):
     whole = casing.interface
     b = len(whole.stiffness)
     assert found.stiffness[:b, :b] == pytest.approx(whole.stiffness, rel=1e-9, abs=1e-10 * abs(whole.stiffness).max())
-    for one, other in ((found.constraint, whole.constraint), (found.loaded, whole.factor.solve(casing.loads))):
+    for one, other in (
+        (found.constraint, whole.constraint),
+        (found.loaded, whole.loaded),
+    ):
         assert one == pytest.approx(other, abs=1e-9 * abs(other).max())
     matrices = whole, casing.K_free, casing.M_free
     expected = reduce_body(*matrices, highest=highest)
