@@ -1,4 +1,4 @@
-"""`gearcase design`: flank modifications with the least transmission error, pressure, root stress and load factor."""
+"""`gearcase design`: flank modifications with the least transmission error, levels at sensors and stress."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="NAME",
         nargs="+",
         help="te (peak-to-peak transmission error, mean over the torques), te-max (the largest), te1 to te8 "
-        "(amplitude of a mesh order), pressure, root-stress, load-factor; with a statistic over the samples as in "
-        "te:q90 (default te)",
+        "(amplitude of a mesh order), pressure, root-stress, load-factor, level (rms acceleration of the sensors at "
+        "the mesh orders), level-SENSOR; with a statistic over the samples as in te:q90 (default te)",
     )
     sub.add_argument(
         "--limit",

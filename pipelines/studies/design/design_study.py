@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -14,14 +14,16 @@ from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import LARGEST_PART, PairModifications, relief_lengths
 from pipelines.engine.run_graph import Work
+from pipelines.engine.step import Graph
 from pipelines.io.errors import InputError
 from pipelines.runs.load_map import TORQUE_SHARES
 from pipelines.runs.root_stress import root_step
 from pipelines.runs.single_results import scene_graph
-from pipelines.scene.load_scene import LoadedScene
+from pipelines.scene.load_scene import LoadedScene, changed
 from pipelines.steps.flank_candidates import CandidateResults, Conditions
+from pipelines.steps.mesh_response import response_step
 from pipelines.studies.design.flank_variables import Variables, parse_vary
-from pipelines.studies.design.quantities import Quantity, parse_limit, parse_quantity
+from pipelines.studies.design.quantities import NOMINAL, Quantity, parse_limit, parse_quantity
 from pipelines.studies.design.search import Designs, DesignTask, Evaluations, search
 
 if TYPE_CHECKING:
@@ -70,6 +72,8 @@ class DesignStudy:
     candidates : of each its number in `designs`, None for the first ones
     modifications : of each
     results : of each, with `FINE` positions in the mesh cycle
+    levels : a row for each at the load of the scene, its levels by the linearised machine and by the time loop; empty
+        if no quantity is a level
     evaluate : computes more of them
 
     >>> import gearcase
@@ -87,17 +91,12 @@ class DesignStudy:
     candidates: tuple[int | None, ...]
     modifications: tuple[PairModifications, ...]
     results: CandidateResults
+    levels: tuple[dict[str, Any], ...]
     evaluate: Evaluations
-
-    @property
-    def quantities(self) -> tuple[Quantity, ...]:
-        """Objectives, then quantities of the limits."""
-        task = self.designs.task
-        return tuple(dict.fromkeys([*task.objectives, *(limit.quantity for limit in task.limits)]))
 
     def rows(self) -> list[dict[str, Any]]:
         """A row for each named candidate: its values and quantities."""
-        columns = [(one.label, one.of(self.results)) for one in self.quantities]
+        columns = [(one.label, one.of(self.results)) for one in self.designs.task.quantities]
         keys = self.designs.task.variables.names
         return [
             {"design": name}
@@ -171,12 +170,16 @@ def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> Des
     ------
     SceneError, InputError : the scene or an option cannot be used, or nothing meets the limits
     """
-    graph, machine = scene_graph(loaded)
     number = _checked(loaded, options)
+    graph, machine = scene_graph(changed(loaded, {"faults": [], "deviations.enabled": False}))
     law = machine.healthy_law_names[number]
-    laws: tuple[MeshLaw, MeshLaw] = work.build(graph.needed([law]), [law]).value(law)
+    laws: tuple[MeshLaw, MeshLaw] = work.build(graph, [law]).value(law)
     task = _task(loaded, machine, options, laws[0])
-    evaluate = Evaluations(task, graph, law, root_step(machine, options.stage), work)
+    response = None
+    if any(one.of_level for one in task.quantities):
+        response = response_step(machine, graph.steps["simulate"], options.stage, law)
+        work.build(Graph([*graph, response]), [response.name])
+    evaluate = Evaluations(task, graph, law, root_step(machine, options.stage), response, work)
     designs = search(evaluate, task, quiet=work.quiet)
     given = machine.layout.modifications[number]
     involute = PairModifications(misalignment=given.misalignment)
@@ -185,15 +188,39 @@ def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> Des
         known["scene"] = None, given
     for letter, at in enumerate(_shown(designs), ord("A")):
         known[chr(letter)] = at, task.variables.modifications(designs.values(at))
-    pair = task.conditions.pair
+    force = machine.facts.stages[number].shown_force
+    pair, modifications = task.conditions.pair, {name: one for name, (_, one) in known.items()}
     return DesignStudy(
         title=f"{loaded.scene.title}: stage {options.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
         designs=designs,
         names=tuple(known),
         candidates=tuple(at for at, _ in known.values()),
-        modifications=tuple(one for _, one in known.values()),
+        modifications=tuple(modifications.values()),
         evaluate=evaluate,
-        results=evaluate.results([one for _, one in known.values()], replace(evaluate.conditions, positions=FINE)),
+        results=evaluate.results(tuple(modifications.values()), replace(evaluate.conditions, positions=FINE)),
+        levels=() if response is None else _levels(evaluate, task, modifications, force, work),
+    )
+
+
+def _levels(
+    evaluate: Evaluations,
+    task: DesignTask,
+    states: Mapping[str, PairModifications],
+    force: float,
+    work: Work,
+) -> tuple[dict[str, Any], ...]:
+    """Rows of `DesignStudy.levels` at a force, N."""
+    conditions = replace(evaluate.conditions, forces=(force,), samples=(), loaded=(), positions=FINE)
+    linearised = evaluate.results(tuple(states.values()), conditions)
+    simulated = replace(linearised, levels=evaluate.simulated_levels(states, work)[:, None, None])
+    columns = {"te um": Quantity(name="te", statistic=NOMINAL).of(linearised)}
+    for one in {one.name: replace(one, statistic=NOMINAL) for one in task.quantities if one.of_level}.values():
+        columns[f"{one.name} linearised m/s2"] = one.of(linearised)
+        columns[f"{one.name} time loop m/s2"] = found = one.of(simulated)
+        columns[f"{one.name} change dB"] = 20 * np.log10(found / found[0])
+    return tuple(
+        {"design": name} | {key: float(values[number]) for key, values in columns.items()}
+        for number, name in enumerate(states)
     )
 
 
@@ -233,10 +260,11 @@ def _task(loaded: LoadedScene, machine: MachineModel, options: DesignOptions, la
     forces = tuple(torque / radius for torque in torques)
     deflection = stiffness_curve(law, forces[-1]).transmission_error.max()  # warns if the law ends too early
     vary = options.vary or _tip_reliefs(pair, deflection)
+    sensors = machine.recorded.sensors if machine.monitored.speed_is_known else ()
     return DesignTask(
         variables=Variables(loaded, options.stage, sense, tuple(map(parse_vary, vary))),
-        objectives=tuple(parse_quantity(text, sampled=sampled) for text in dict.fromkeys(options.minimize)),
-        limits=tuple(parse_limit(text, sampled=sampled) for text in options.limits),
+        objectives=tuple(parse_quantity(text, sensors, sampled=sampled) for text in dict.fromkeys(options.minimize)),
+        limits=tuple(parse_limit(text, sensors, sampled=sampled) for text in options.limits),
         conditions=Conditions(
             pair=pair,
             forces=forces,

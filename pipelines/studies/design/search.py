@@ -28,6 +28,7 @@ from pipelines.io.shown_text import duration
 from pipelines.runs.load_map import load_map
 from pipelines.steps import flank_candidates
 from pipelines.steps.flank_candidates import LOADED, CandidateResults, Conditions
+from pipelines.steps.mesh_response import level_step
 from pipelines.studies.design.flank_variables import Variables
 from pipelines.studies.design.quantities import Limit, Quantity
 
@@ -55,6 +56,11 @@ class DesignTask:
     torques: tuple[float, ...]
     seed: int
     evaluations: int
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Objectives, then quantities of the limits."""
+        return tuple(dict.fromkeys([*self.objectives, *(limit.quantity for limit in self.limits)]))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -98,15 +104,19 @@ class Designs:
 class Evaluations:
     """Evaluates candidates, each once; results are stored as steps."""
 
-    def __init__(self, task: DesignTask, graph: Graph, law: str, root: Step, work: Work) -> None:
+    def __init__(self, task: DesignTask, graph: Graph, law: str, root: Step, response: Step | None, work: Work) -> None:
         self._task, self._work = task, replace(work, quiet=True)
-        quantities = [*task.objectives, *(limit.quantity for limit in task.limits)]
-        names = {one.name for one in quantities} & LOADED.keys()
-        self._takes, self._graph, self._root = {"laws": law}, [*graph.needed([law]), root], root.name
+        names = {one.name for one in task.quantities} & LOADED.keys()
+        self._takes, self._graph, self._root = {"laws": law}, [*graph, root], root.name
+        self._modules: tuple[str, ...] = ()
+        self._response = response
         self.start = 0.0  # seconds before the first candidate
         if "root-stress" in names:
             self._takes["roots"], self.start = root.name, root.seconds
-        statistics = {one.statistic for one in quantities}
+        if response is not None:
+            self._graph.append(response)
+            self._takes["response"], self._modules = response.name, (response.build.__module__,)
+        statistics = {one.statistic for one in task.quantities}
         self.conditions = replace(
             task.conditions,
             loaded=tuple(sorted(names)),
@@ -127,6 +137,7 @@ class Evaluations:
             build=flank_candidates.build,
             spec={"conditions": conditions, "candidates": tuple(found)},
             takes=self._takes,
+            modules=self._modules,
             libraries=("numpy", "scipy", "numba"),
             seconds=len(found) * self.seconds(conditions),
         )
@@ -138,6 +149,14 @@ class Evaluations:
         outcome = self._work.build(Graph(self._graph), [law, self._root])
         laws = {name: modified_law(outcome.value(law)[0], pair, one) for name, one in states.items()}
         return load_map(pair, laws, self._task.torques, outcome.value(self._root), sense=sense)
+
+    def simulated_levels(self, states: Mapping[str, PairModifications], work: Work) -> np.ndarray:
+        """Levels (state, sensor), m/s2 rms, of the pair without deviations by the time loop, see `level_step`."""
+        assert self._response is not None  # a quantity is a level
+        simulate = Graph(self._graph).steps["simulate"]
+        steps = [level_step(self._response, simulate, f"motion of {name}", one) for name, one in states.items()]
+        outcome = work.build(Graph([*self._graph, *steps]), [one.name for one in steps])
+        return np.stack([outcome.value(one.name) for one in steps])
 
     def __call__(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Objectives (candidate, objective) and excess (candidate, limit) of candidates (candidate, variable)."""

@@ -9,14 +9,17 @@ import numpy as np
 import pytest
 
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.mesh_cycle import mesh_cycle
 from fem.contact.faults.changed_law import modified_law
 from fem.gears.modifications import PairModifications
 from pipelines.cli.main import main
 from pipelines.engine.run_graph import Work
+from pipelines.engine.step import Graph
 from pipelines.io.errors import InputError, SceneError
-from pipelines.runs.single_results import build_pairs
+from pipelines.runs.single_results import build_pairs, scene_graph
 from pipelines.scene.load_scene import changed, load_scene
 from pipelines.steps import flank_candidates
+from pipelines.steps.mesh_response import response_step
 from pipelines.studies.design.design_page import words as lines
 from pipelines.studies.design.design_study import DesignOptions, design_study
 
@@ -90,12 +93,18 @@ def test_a_limit_that_is_exceeded_between_the_positions_of_the_search_is_stated(
         ({"seed": -1}, "seed = -1: must be a number of at least 0"),
         ({"minimize": ("presure",)}, "Did you mean pressure"),
         ({"limits": ("te < 1",)}, "is not a limit"),
+        ({"minimize": ("level-motor",)}, "Did you mean level-motor_side"),
         ({"limits": ("te <= 0",)}, "none of 18 candidates"),
     ],
 )
 def test_a_wrong_option_is_named(options, words):
     with pytest.raises(InputError, match=words):
         found(**options)
+
+
+def test_a_level_needs_a_sensor():
+    with pytest.raises(InputError, match=r"level: no sensor is at a known speed. Set \[\[sensors\]\]"):
+        design_study(load_scene("pair"), DesignOptions(minimize=("level",)), Work())
 
 
 def test_a_model_without_the_effect_of_modifications_is_refused():
@@ -144,6 +153,49 @@ def test_the_root_stress_of_a_design_is_that_of_its_map():
 def test_a_compromise_is_offered_only_if_it_beats_the_unmodified_pair_in_every_objective():
     assert set(found(minimize=("te", "te1")).best()) == {"te um", "te1 um", "compromise"}
     assert "compromise" not in found(minimize=("te", "pressure")).best()  # every relief raises the pressure
+
+
+RIGID = {"casing.model": "rigid"}
+
+
+def test_the_level_of_the_linearised_machine_is_that_of_the_time_loop():
+    """At the orders of the mesh frequency; without the moment of the tooth forces it would be up to 10 dB too low."""
+    vary = ("both.tip_relief.amount_um=10,30", "both.tip_relief.length_mm=2,3", "both.lead_crowning_um=0,8")
+    study = design_study(
+        changed(load_scene("bench"), RIGID), DesignOptions(vary=vary, minimize=("level-motor_side",)), Work()
+    )
+    for row in study.levels:
+        linearised, simulated = (row[f"level-motor_side {name} m/s2"] for name in ("linearised", "time loop"))
+        assert linearised == pytest.approx(simulated, rel=0.03)
+    variables = study.designs.task.variables
+    strong = {str(one): variables.modifications(one) for one in ([10, 2.0, 0], [30, 3.0, 8])}
+    conditions = replace(study.evaluate.conditions, forces=study.evaluate.conditions.forces[-1:], positions=64)
+    linearised = study.evaluate.results(list(strong.values()), conditions).levels[:, 0, 0]
+    assert linearised == pytest.approx(study.evaluate.simulated_levels(strong, Work()), rel=0.05)
+
+
+def test_linearisations_of_two_machines_with_other_flanks_give_the_same_level():
+    levels = []
+    for relief in (0.0, 30.0):
+        both = {f"stages.1.{gear}.tip_relief": {"amount_um": relief, "length_mm": 3.0} for gear in ("pinion", "wheel")}
+        scene = changed(load_scene("bench"), RIGID | both | {"faults": [], "deviations.enabled": False})
+        graph, machine = scene_graph(scene)
+        step = response_step(machine, graph.steps["simulate"], 1, "law_1")
+        response = Work().build(Graph([*graph, step]), [step.name]).value(step.name)
+        pair = build_pairs(scene, Work())[0]
+        cycle = mesh_cycle(pair.pair, LawEvaluator(pair.unmodified), np.array([1000.0]), 0.0, 32)
+        levels.append((response.stiffness[0, 0], response.levels(cycle, 0)))
+    assert abs(levels[0][0] / levels[1][0] - 1) > 0.1
+    assert levels[0][1] == pytest.approx(levels[1][1], rel=1e-3)  # their mesh damping differs a little
+
+
+def test_designs_with_less_transmission_error_but_no_lower_level_are_named():
+    study = found(minimize=("te", "level"))
+    loud, quiet = (
+        {"design": name, "te um": 0.1, "level change dB": change} for name, change in (("A", 1.0), ("B", -1.0))
+    )
+    given = replace(study, levels=({"design": "unmodified", "te um": 0.2, "level change dB": 0.0}, loud, quiet))
+    assert "Less transmission error than the unmodified pair, but not a lower level: A." in lines(given)
 
 
 def test_an_interrupted_search_continues_and_a_repeated_one_computes_nothing(monkeypatch, own_cache):
