@@ -158,19 +158,21 @@ def active_roll(pair: GearPair, gear: str) -> tuple[float, float]:
     return min(ends), max(ends)
 
 
-def relief_lengths(pair: GearPair) -> tuple[float, float] | None:
-    """Roll lengths (m) of a short and a long tip relief; None unless one and two tooth pairs alternate.
+def relief_lengths(pair: GearPair) -> tuple[float, float]:
+    """Shortest and longest roll length (m) of linear tip reliefs that are equal on both gears.
 
-    The long relief starts at the transition from two pairs to one, (eps_alpha - 1) p_bt from the tip. The short one is
-    the outer half of it.
+    Two of the shortest leave a whole number of base pitches of the path of contact unmodified. With shorter ones,
+    unmodified teeth still enter contact under load. The longest is half of the path of contact: two longer reliefs
+    overlap, and their sum is constant in the overlap. So reliefs of length L and amount C give the same gaps, except
+    for a constant, as those of length g_alpha - L and amount C (g_alpha - L) / L.
 
     References
     ----------
-    Lin, Oswald, Townsend 1994, Mech. Mach. Theory 29(8), 1115-1129; Smith 2003, Gear Noise and Vibration, chapter 3;
-    Niemann, Winter 2003, Maschinenelemente 2
+    ISO 21771-1: path of contact g_alpha = eps_alpha p_et; Smith 2003, Gear Noise and Vibration, chapter 3: short and
+    long relief
     """
-    long = (pair.transverse_contact_ratio - 1.0) * pair.base_pitch
-    return (long / 2, long) if 0.0 < long < pair.base_pitch else None
+    ratio = pair.transverse_contact_ratio
+    return max(ratio - 1.0, 0.0) % 1.0 * pair.base_pitch / 2, ratio * pair.base_pitch / 2
 
 
 def check_modifications(pair: GearPair, modifications: PairModifications) -> None:

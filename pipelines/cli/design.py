@@ -35,7 +35,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUES",
         action="append",
         help="modification to vary, as GEAR.KEY=LOW:HIGH[:STEP] or GEAR.KEY=A,B,C with GEAR pinion, wheel or both; "
-        "default steps 1 um and 0.1 mm; repeatable (default: tip reliefs of both gears, up to the deflection)",
+        "default steps 1 um and 0.1 mm; repeatable (default: tip reliefs of both gears, amounts up to the deflection)",
     )
     sub.add_argument(
         "--minimize",

@@ -197,8 +197,9 @@ def _notes(cases: Sequence[tuple[PairLaws, MeshState]]) -> list[str]:
         )
     lines.append(
         "Range of the values: from the first to the last contact of one tooth pair; if a tooth is damaged, of the pair "
-        "with this tooth. secant, tangent, TE: means. least: smallest secant stiffness. at: its position, in mesh "
-        "cycles from the pitch point. TE p-p: peak-to-peak. share: largest load share. pressure: largest Hertz "
-        "pressure on the active flanks of this pair and its neighbours."
+        "with this tooth. secant, tangent, TE: means. secant: load over deflection since first touch; a relief lowers "
+        "it. tangent: stiffness for small vibrations about the load. least: smallest secant stiffness. at: its "
+        "position, in mesh cycles from the pitch point. TE p-p: peak-to-peak. share: largest load share. pressure: "
+        "largest Hertz pressure on the active flanks of this pair and its neighbours."
     )
     return lines

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 COMPROMISE = "compromise"
 SHOWN = 8  # candidates of the front in tables
 FINE = 256  # positions of the mesh cycle for them, as in `gearcase gears --plot`
-MOST_AMOUNTS, MOST_LENGTHS = 40, 20  # of the reliefs that are compared if nothing is varied
+MOST_AMOUNTS, MOST_LENGTHS = 40, 40  # of the reliefs that are compared if nothing is varied
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,13 +148,20 @@ class DesignStudy:
         ]
 
     def edges(self, name: str) -> list[str]:
-        """Keys of a candidate at an end of their range, except 0 and the length of a relief without amount."""
+        """Keys of a candidate at an end of their range beyond which there are other designs.
+
+        These are not 0, the length of a relief without amount, and half of the path of contact, see `relief_lengths`.
+        """
         pairs = list(zip(self.designs.task.variables.given, self._values(name), strict=True))
         absent = {over.key.replace("amount_um", "length_mm") for over, value in pairs if not value}
+        longest = 1e3 * relief_lengths(self.designs.task.conditions.pair)[1]
         return [
             over.key
             for over, value in pairs
-            if value and over.key not in absent and value in (min(over.values), max(over.values))
+            if value
+            and over.key not in absent
+            and value in (min(over.values), max(over.values))
+            and not (over.key == "both.tip_relief.length_mm" and value >= longest)
         ]
 
     def _values(self, name: str) -> list[Any]:
@@ -282,23 +289,13 @@ def _tip_reliefs(pair: GearPair, deflection: float) -> tuple[str, str]:
     """Linear tip reliefs, equal on both gears, in manufacturing steps.
 
     The amounts end at the largest deflection of the teeth without modifications, the effective tip relief C_eff of
-    ISO/TS 6336-22 with the computed stiffness, and at the limit of the key. The lengths are those from the short to the
-    long relief, see `relief_lengths`.
-
-    Raises
-    ------
-    InputError : no length is usual
+    ISO/TS 6336-22 with the computed stiffness, and at the limit of the key. For the lengths see `relief_lengths`.
     """
-    lengths = relief_lengths(pair)
-    if lengths is None:
-        raise InputError(
-            f"design: no length of a tip relief is usual for the contact ratio {pair.transverse_contact_ratio:.3g}, "
-            "which is not between 1 and 2. Set --vary."
-        )
     most = min(math.ceil(1e6 * deflection), int(1e6 * LARGEST_PART * pair.pinion.normal_module))
-    short, long = (round(1e4 * length) for length in lengths)  # in steps of 0.1 mm
-    amount_step, length_step = -(-most // MOST_AMOUNTS), -(-(long - short) // MOST_LENGTHS) / 10
+    amount_step = -(-most // MOST_AMOUNTS)
+    short, long = (max(1, math.ceil(1e4 * length)) for length in relief_lengths(pair))  # in steps of 0.1 mm
+    length_step = -(-(long - short) // MOST_LENGTHS)
     return (
         f"both.tip_relief.amount_um=0:{most}:{amount_step}",
-        f"both.tip_relief.length_mm={short / 10}:{long / 10}:{length_step}",
+        f"both.tip_relief.length_mm={short / 10}:{(long + length_step - 1) / 10}:{length_step / 10}",
     )

@@ -130,6 +130,13 @@ def test_the_printed_settings_give_the_printed_transmission_error_with_gearcase_
     assert healthy["TE p-p um"] == pytest.approx(float(least), rel=0.01)
 
 
+def test_the_default_lengths_contain_the_best_one_of_a_helical_pair():
+    study = found(vary=())
+    far = found(vary=("both.tip_relief.amount_um=0:6:1", "both.tip_relief.length_mm=1:9:0.2"))
+    assert study.edges("A") == []
+    assert study.designs.objectives.min() < 1.05 * far.designs.objectives.min()
+
+
 def test_the_toml_of_the_page_makes_the_recommended_design(tmp_path):
     page = tmp_path / "design.html"
     assert main(["design", "bench", "--vary", VARY[0], "--vary", VARY[1], "--out", str(page)]) == 0
