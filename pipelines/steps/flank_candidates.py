@@ -5,7 +5,7 @@ Modifications do not change the compliances, so each candidate is a few static c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -72,6 +72,22 @@ class CandidateResults:
     loaded: dict[str, np.ndarray]  # (candidate, sample) by name, at the greatest force
     levels: np.ndarray  # (candidate, sample, load, sensor), m/s2 rms
     sensors: tuple[str, ...]
+
+    @classmethod
+    def joined(cls, parts: Sequence[CandidateResults], order: np.ndarray) -> CandidateResults:
+        """The candidates of several results, in another order."""
+
+        def each(arrays: Iterable[np.ndarray]) -> np.ndarray:
+            return np.concatenate(list(arrays))[order]
+
+        return cls(
+            error=each(one.error for one in parts),
+            peak_to_peak=each(one.peak_to_peak for one in parts),
+            orders=each(one.orders for one in parts),
+            loaded={name: each(one.loaded[name] for one in parts) for name in parts[0].loaded},
+            levels=each(one.levels for one in parts),
+            sensors=parts[0].sensors,
+        )
 
 
 def _mean_teeth(pair: GearPair, grade: int, seed: int) -> tuple[np.ndarray, np.ndarray]:

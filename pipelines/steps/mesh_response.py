@@ -141,14 +141,14 @@ def response_step(machine: MachineModel, simulate: Step, stage: int, law: str) -
     spec, number = simulate.spec, stage - 1
     constant = SpeedProfile(times=np.zeros(1), speeds=np.full(1, machine.facts.motor_speed))
     steady = replace(spec, machine=replace(spec.machine, profile=constant), motion=replace(spec.motion, end=END))
-    frequency = machine.facts.stages[number].mesh_frequency
-    orders = np.arange(1, min(MOST_ORDERS, int(PASS_SHARE * spec.motion.output_rate / frequency)) + 1)
+    frequencies = machine.facts.stages[number].mesh_frequency * np.arange(1, MOST_ORDERS + 1)
+    passed = frequencies[frequencies <= PASS_SHARE * spec.motion.output_rate]
     laws = [*machine.law_names[:number], law, *machine.law_names[stage:]]
     return Step(
         name="mesh response",
         kind="mesh-response",
         build=build,
-        spec=SteadyMesh(motion=steady, mesh=number, frequencies=tuple((frequency * orders).tolist())),
+        spec=SteadyMesh(motion=steady, mesh=number, frequencies=tuple(passed.tolist())),
         takes={**simulate.takes, "laws": tuple(laws)},
         libraries=simulate.libraries,
         seconds=1.0,

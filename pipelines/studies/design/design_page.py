@@ -26,8 +26,8 @@ _CAPTION = (
 )
 _LEVELS = "Levels at the torque of the scene, by the linearised machine and by the time loop"
 _MAP_CAPTION = (
-    "Unmodified pair and recommended design over the torque, and along the face at the least, a middle and the largest "
-    "torque. Contact patterns: largest pressure of a tooth over its engagement; grey: no contact"
+    "Recommended design and the same gears without modifications over the torque, and along the face at the least, a "
+    "middle and the largest torque. Contact patterns: largest pressure of a tooth over its engagement; grey: no contact"
 )
 
 
@@ -105,11 +105,13 @@ def write_page(found: DesignStudy, path: Path) -> None:
 
 
 def toml(settings: Mapping[str, Any]) -> str:
-    """Settings of gears as TOML, a table for each gear."""
+    """Settings of a stage as TOML, with a table for each gear."""
     tables: dict[str, list[str]] = {}
     for key, value in settings.items():
-        _, stage, gear, rest = key.split(".", 3)
-        tables.setdefault(f"[stages.{stage}.{gear}]", []).append(f"{rest} = {json.dumps(value)}")
+        parts = key.split(".")
+        depth = min(len(parts) - 1, 3)
+        lines = tables.setdefault(f"[{'.'.join(parts[:depth])}]", [])
+        lines.append(f"{'.'.join(parts[depth:])} = {json.dumps(value)}")
     return "\n\n".join("\n".join([head, *lines]) for head, lines in tables.items())
 
 

@@ -21,9 +21,9 @@ STATISTICS: dict[str, Callable[[np.ndarray], np.ndarray]] = {  # of (candidate, 
     "q90": lambda values: np.quantile(values[:, 1:], 0.9, axis=1),
     "worst": lambda values: values[:, 1:].max(axis=1),
 }
-LEVEL = "level"
-UNITS = {"pressure": "MPa", "root-stress": "MPa", "load-factor": "", LEVEL: "m/s2"}
-NAMES = ("te", "te-max", *(f"te{order}" for order in range(1, ORDERS + 1)), *LOADED, LEVEL)
+LEVEL, RATIO_ERROR = "level", "ratio-error"
+UNITS = {"pressure": "MPa", "root-stress": "MPa", "load-factor": "", LEVEL: "m/s2", RATIO_ERROR: "%"}
+NAMES = ("te", "te-max", *(f"te{order}" for order in range(1, ORDERS + 1)), *LOADED, LEVEL, RATIO_ERROR)
 _LIMIT = re.compile(r"\s*([\w:-]+)\s*<=\s*([-+.\w]+)\s*")
 
 
@@ -33,7 +33,8 @@ class Quantity:
 
     te, te-max: peak-to-peak transmission error, mean and largest over the torques; te1, te2, ...: amplitude of a mesh
     order, mean over the torques; those of `LOADED`: at the greatest torque; level, level-SENSOR: rms acceleration of
-    all sensors or of one, at the orders of the mesh frequency, root mean square over the torques
+    all sensors or of one, at the orders of the mesh frequency, root mean square over the torques;
+    ratio-error: of z2/z1 from that of the scene
     """
 
     name: str
@@ -57,8 +58,8 @@ class Quantity:
 
     def samples(self, found: CandidateResults) -> np.ndarray:
         """Values (candidate, sample) in the unit of the label."""
-        if self.name in LOADED:
-            return found.loaded[self.name] / (1e6 if UNITS[self.name] else 1.0)
+        if self.name in found.loaded:
+            return found.loaded[self.name] / (1e6 if UNITS[self.name] == "MPa" else 1.0)
         if self.of_level:
             at = [n for n, one in enumerate(found.sensors) if self.name in (LEVEL, f"{LEVEL}-{one}")]
             return np.asarray(np.sqrt((found.levels[..., at] ** 2).mean(axis=(2, 3))))
@@ -91,8 +92,8 @@ def parse_quantity(text: str, sensors: Sequence[str] = (), *, sampled: bool) -> 
     names = (*NAMES, *(f"{LEVEL}-{one}" for one in sensors))
     if not sensors and name.partition("-")[0] == LEVEL:
         raise InputError(
-            f'{shown(text)}: no sensor is at a known speed. Set [[sensors]], a casing.model other than "none", and '
-            'drive.model = "speed".'
+            f'{shown(text)}: no sensor is at a known speed. Set [[sensors]], a casing.model other than "none", '
+            'drive.model = "speed", and simulation.output_rate_Hz to at least 2.5 times the mesh frequency.'
         )
     for word, known, what in ((name, names, "quantity"), (statistic, STATISTICS, "statistic")):
         if word not in known:

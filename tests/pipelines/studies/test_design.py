@@ -3,6 +3,7 @@
 import html
 import json
 import sys
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -13,13 +14,15 @@ from fem.contact.evaluation.mesh_cycle import mesh_cycle
 from fem.contact.faults.changed_law import modified_law
 from fem.gears.modifications import PairModifications
 from pipelines.cli.main import main
+from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
-from pipelines.io.errors import InputError, SceneError
+from pipelines.io.errors import InputError, SceneError, SceneWarning
 from pipelines.runs.single_results import build_pairs, scene_graph
 from pipelines.scene.load_scene import changed, load_scene
 from pipelines.steps import flank_candidates
 from pipelines.steps.mesh_response import response_step
+from pipelines.studies.design.design_page import toml
 from pipelines.studies.design.design_page import words as lines
 from pipelines.studies.design.design_study import DesignOptions, design_study
 
@@ -92,6 +95,12 @@ def test_a_limit_that_is_exceeded_between_the_positions_of_the_search_is_stated(
         ({"torques": (-1.0, 40.0)}, "torques = -1.0: must be a number of at least 1e-06"),
         ({"seed": -1}, "seed = -1: must be a number of at least 0"),
         ({"minimize": ("presure",)}, "Did you mean pressure"),
+        (
+            {"vary": ("face_with_mm=18:22",)},
+            "nor a value of the stage.*Did you mean face_width_mm",
+        ),
+        ({"vary": ("face_width_mm=18,18.0",)}, "a value is given twice"),
+        ({"vary": ("face_width_mm=18:18",)}, "has one value only.*--set stages.1.face_width_mm=18"),
         ({"limits": ("te < 1",)}, "is not a limit"),
         ({"minimize": ("level-motor",)}, "Did you mean level-motor_side"),
         ({"limits": ("te <= 0",)}, "none of 18 candidates"),
@@ -175,9 +184,9 @@ def test_the_level_of_the_linearised_machine_is_that_of_the_time_loop():
         linearised, simulated = (row[f"level-motor_side {name} m/s2"] for name in ("linearised", "time loop"))
         assert linearised == pytest.approx(simulated, rel=0.03)
     variables = study.designs.task.variables
-    strong = {str(one): variables.modifications(one) for one in ([10, 2.0, 0], [30, 3.0, 8])}
-    conditions = replace(study.evaluate.conditions, forces=study.evaluate.conditions.forces[-1:], positions=64)
-    linearised = study.evaluate.results(list(strong.values()), conditions).levels[:, 0, 0]
+    scene = study.evaluate.scene
+    strong = {str(one): (scene, variables.modifications(one)) for one in ([10, 2.0, 0], [30, 3.0, 8])}
+    linearised = study.evaluate.results(list(strong.values()), at_scene=True, positions=64).levels[:, 0, 0]
     assert linearised == pytest.approx(study.evaluate.simulated_levels(strong, Work()), rel=0.05)
 
 
@@ -194,6 +203,41 @@ def test_linearisations_of_two_machines_with_other_flanks_give_the_same_level():
         levels.append((response.stiffness[0, 0], response.levels(cycle, 0)))
     assert abs(levels[0][0] / levels[1][0] - 1) > 0.1
     assert levels[0][1] == pytest.approx(levels[1][1], rel=1e-3)  # their mesh damping differs a little
+
+
+def test_gears_of_other_values_keep_centre_distance_and_backlash_and_each_law_is_computed_once(own_cache):
+    vary = ("helix_angle_deg=8,10", "both.lead_crowning_um=0,2,4", "pinion_profile_shift=0,0.1")
+    study = found(vary=vary, torques=(60.0,))
+    assert len(study.designs.index) == 12
+    assert len(list(Cache(own_cache).entries("law"))) == 1 + 4
+    given = build_pairs(load_scene("bench"), Work())[0].pair
+    for at in (0, 7, 11):
+        values = study.designs.values(at)
+        scene = changed(load_scene("bench"), study.designs.task.variables.settings(values))
+        pair = build_pairs(scene, Work())[0]
+        assert pair.pair.pinion.helix_angle == pytest.approx(np.radians(values[0]))
+        assert pair.pair.axis_distance == pytest.approx(given.axis_distance, abs=1e-9)
+        assert scene_graph(scene)[1].layout.pairs[0].backlash == pytest.approx(80e-6, abs=1e-8)
+        error = LawEvaluator(pair.healthy).approach_at(60.0 / pair.pair.pinion.base_radius, np.arange(32) / 32)
+        assert study.designs.objectives[at, 0] == pytest.approx(1e6 * np.ptp(error), rel=1e-9)
+    tables = tomllib.loads(toml(study.settings("A")))["stages"]["1"]
+    assert tables["wheel_profile_shift"] == study.settings("A")["stages.1.wheel_profile_shift"]
+    assert "lead_crowning_um" in tables["pinion"]
+
+
+def test_numbers_of_teeth_with_another_ratio_have_no_law_and_those_that_do_not_fit_are_counted():
+    options = {"vary": ("pinion_teeth=24:26", "wheel_teeth=30,61,62,63"), "minimize": ("te", "ratio-error")}
+    with pytest.warns(
+        SceneWarning, match="(?s)4 sets of values of the stage are no gear pairs of this machine.*wheel_prof"
+    ):
+        study = found(**options, limits=("ratio-error <= 2",))
+    teeth = sorted(tuple(study.designs.values(at)) for at in range(len(study.designs.index)))
+    assert teeth == [(25, 61), (25, 62)]  # the tips of 63 teeth would cut into the roots of the pinion
+    errors = {row["design"]: row["ratio-error %"] for row in study.rows()}
+    assert errors["unmodified"] == 0.0
+    assert max(errors.values()) <= 2.0
+    with pytest.raises(InputError, match="no numbers of teeth meet the limit of ratio-error"):
+        found(vary=("pinion_teeth=24,26",), limits=("ratio-error <= 1",))
 
 
 def test_designs_with_less_transmission_error_but_no_lower_level_are_named():
