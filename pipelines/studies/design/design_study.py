@@ -25,7 +25,7 @@ from pipelines.scene.load_scene import LoadedScene, changed
 from pipelines.steps.flank_candidates import CandidateResults, Conditions
 from pipelines.studies.design.design_variables import Variables, parse_vary
 from pipelines.studies.design.quantities import NOMINAL, RATIO_ERROR, Quantity, parse_limit, parse_quantity
-from pipelines.studies.design.search import Candidate, Designs, DesignTask, Evaluations, search
+from pipelines.studies.design.search import Candidate, Designs, DesignTask, Evaluations, compromise, search
 from pipelines.studies.design.stage_pair import StagePair, stage_pair
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ class DesignStudy:
         return self.designs.task.variables.settings(self._values(name))
 
     def best(self) -> dict[str, str]:
-        """Name of the best candidate of each objective, and of the compromise if it beats the unmodified pair in all.
+        """Name of the best candidate of each objective, and of the compromise if one beats the unmodified pair in all.
 
         The values are those of the fine mesh cycle, as in the table.
         """
@@ -122,9 +122,8 @@ class DesignStudy:
             one.label: self.names[first + int(column.argmin())]
             for one, column in zip(self.designs.task.objectives, values[first:].T, strict=True)
         }
-        at = self.candidates.index(self.designs.compromise)
-        better = (values[at] < values[0]).all()
-        return found | ({COMPROMISE: self.names[at]} if better and len(found) > 1 else {})
+        at = compromise(values[first:], values[0])
+        return found | ({} if at is None or len(found) == 1 else {COMPROMISE: self.names[first + at]})
 
     @property
     def recommended(self) -> str:
@@ -152,7 +151,8 @@ class DesignStudy:
     def edges(self, name: str) -> list[str]:
         """Keys of a candidate at an end of their range beyond which there are other designs.
 
-        These are not 0, the start of a relief without amount, and half of the path of contact, see `relief_lengths`.
+        These are not a fixed value, 0, the start of a relief without amount, and half of the path of contact, see
+        `relief_lengths`.
         """
         pairs = list(zip(self.designs.task.variables.given, self._values(name), strict=True))
         absent = tuple(over.key.removesuffix("amount_um") for over, value in pairs if not value)
@@ -161,6 +161,7 @@ class DesignStudy:
             over.key
             for over, value in pairs
             if value
+            and len(over.values) > 1
             and not over.key.startswith(absent)
             and value in (min(over.values), max(over.values))
             and not (over.key == "both.tip_relief.length_mm" and value >= longest)
@@ -191,7 +192,9 @@ def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> Des
     known: dict[str, tuple[int | None, Candidate]] = {"unmodified": (None, (scene, scene.involute))}
     if scene.given != scene.involute:
         known["scene"] = None, (scene, scene.given)
-    for letter, at in enumerate(_shown(designs), ord("A")):
+    unmodified = evaluate.results([(scene, scene.involute)])
+    limits = np.concatenate([one.of(unmodified) for one in task.objectives])
+    for letter, at in enumerate(_shown(designs, limits), ord("A")):
         candidate = evaluate.candidate(designs.index[at])
         assert candidate is not None  # it is on the front
         known[chr(letter)] = at, candidate
@@ -260,18 +263,23 @@ def _levels(
     )
 
 
-def _shown(designs: Designs) -> list[int]:
+def _shown(designs: Designs, unmodified: np.ndarray) -> list[int]:
     """About `SHOWN` candidates of the front: spread along it, the best of each objective, the compromise."""
     front = designs.front.tolist()
     if len(front) <= SHOWN:
         return front
-    best = designs.objectives[designs.front].argmin(axis=0)
+    values = designs.objectives[designs.front]
+    best, middle = values.argmin(axis=0), compromise(values, unmodified)
     spread = np.linspace(0, len(front) - 1, max(SHOWN - 1 - best.size, 1)).round().astype(int)
-    at = np.unique([*spread, *best, front.index(designs.compromise)])
+    at = np.unique([*spread, *best, *([] if middle is None else [middle])])
     return [front[i] for i in at]
 
 
 def _check(loaded: LoadedScene, options: DesignOptions) -> None:
+    if options.misalignment and not options.samples:
+        raise InputError(
+            f"misalignment = {1e6 * options.misalignment:g} um: is that of pairs with deviations. Set --samples 20."
+        )
     stages = loaded.scene.stages
     if not 1 <= options.stage <= len(stages):
         allowed = f"a number from 1 to {len(stages)}" if len(stages) > 1 else "1, the only stage of the scene"

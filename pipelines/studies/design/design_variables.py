@@ -30,9 +30,11 @@ STAGE_KEYS = (
 def parse_vary(text: str) -> Over:
     """`GEAR.KEY=LOW:HIGH[:STEP]` or `GEAR.KEY=A,B,C` with GEAR pinion, wheel or both; a key of `STAGE_KEYS` alone.
 
+    One value is a fixed one.
+
     Raises
     ------
-    InputError : the key is neither, the range is empty or not one of numbers
+    InputError : the key is neither, or the values are none
     """
     key, _, given = text.partition("=")
     gear, _, rest = key.strip().partition(".")
@@ -51,12 +53,6 @@ def parse_vary(text: str) -> Over:
             f"--vary {shown(found.key)}: is neither a modification of a flank nor a value of the stage. Start with "
             f"pinion., wheel. or both., and continue with one of {', '.join(KEYS)}; or give one of "
             f"{', '.join(STAGE_KEYS)}.{hint}"
-        )
-    if len(found.values) < 2:
-        ways = " ".join(f"--set stages.1.{path}={found.values[0]:g}" for path in Variables.paths(found))
-        raise InputError(
-            f"--vary {shown(text)}: {shown(found.key)} has one value only. Set a range with several steps, or a fixed "
-            f"value for the stage, as in {ways}."
         )
     return found
 

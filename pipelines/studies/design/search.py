@@ -90,16 +90,22 @@ class Designs:
                 kept.append(int(at))
         object.__setattr__(self, "front", possible[kept])
 
-    @property
-    def compromise(self) -> int:
-        """The candidate of the front with the least distance from the best of all objectives, each over its range."""
-        values = self.objectives[self.front]
-        span = np.maximum(np.ptp(values, axis=0), 1e-300)
-        return int(self.front[np.linalg.norm((values - values.min(axis=0)) / span, axis=1).argmin()])
-
     def values(self, candidate: int) -> list[Any]:
         """Values of the variables."""
         return self.task.variables.values(self.index[candidate])
+
+
+def compromise(values: np.ndarray, unmodified: np.ndarray) -> int | None:
+    """The nearest design to the best of all objectives, each over its range, of those that beat the unmodified pair.
+
+    Parameters
+    ----------
+    values, unmodified : (design, objective) and (objective,); a design must be better in every objective
+    """
+    distance = np.linalg.norm((values - values.min(axis=0)) / np.maximum(np.ptp(values, axis=0), 1e-300), axis=1)
+    distance[~(values < unmodified).all(axis=1)] = np.inf
+    at = int(distance.argmin())
+    return at if distance[at] < np.inf else None
 
 
 Candidate = tuple[StagePair, PairModifications]
