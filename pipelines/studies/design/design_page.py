@@ -41,8 +41,8 @@ def words(found: DesignStudy) -> Iterator[str]:
     best = found.best()
     if COMPROMISE in best:
         yield (
-            "Compromise: the design of the Pareto front nearest to the best value of every objective, each divided by "
-            "its range on the front; it is better than the unmodified pair in every objective."
+            "Compromise: of the designs of the Pareto front that are better than the unmodified pair in every "
+            "objective, the nearest to the best values of all objectives, each divided by its range on the front."
         )
     elif len(best) > 1:
         yield "There is no compromise that is better than the unmodified pair in every objective."
