@@ -130,6 +130,10 @@ class Misalignment:
     in_plane: float = 0.0
     out_of_plane: float = 0.0
 
+    def opening(self, pressure_angle: float, sign: float = 1.0) -> float:
+        """Gap over the face (m/m) in the plane of action; sign 1 for drive flanks, -1 for coast flanks."""
+        return self.in_plane * math.sin(pressure_angle) + sign * self.out_of_plane * math.cos(pressure_angle)
+
     def __post_init__(self) -> None:
         for item in fields(self):
             value = getattr(self, item.name)
@@ -282,5 +286,4 @@ def lead_gap(pair: GearPair, modifications: PairModifications, flank: str, face:
             if relief is not None:
                 part = np.maximum((outwards - b / 2) / relief.length + 1.0, 0.0)
                 total += relief.amount * part ** SHAPES[relief.shape]
-    axes, alpha = modifications.misalignment, pair.working_pressure_angle
-    return total + (axes.in_plane * math.sin(alpha) + sign * axes.out_of_plane * math.cos(alpha)) * face
+    return total + modifications.misalignment.opening(pair.working_pressure_angle, sign) * face

@@ -24,9 +24,10 @@ _CAPTION = (
     "positions in the mesh cycle. Right: transmission error of the nominal pair and, dashed, its 90 % quantile "
     "over the pairs with deviations"
 )
+_LEVELS = "Levels at the torque of the scene, by the linearised machine and by the time loop"
 _MAP_CAPTION = (
-    "Unmodified pair and recommended design over the torque, and along the face at the least, a middle and the largest "
-    "torque. Contact patterns: largest pressure of a tooth over its engagement; grey: no contact"
+    "Recommended design and the same gears without modifications over the torque, and along the face at the least, a "
+    "middle and the largest torque. Contact patterns: largest pressure of a tooth over its engagement; grey: no contact"
 )
 
 
@@ -34,11 +35,14 @@ def words(found: DesignStudy) -> Iterator[str]:
     """The table of the front, and the settings of the best designs."""
     yield grid(found.title, found.rows()).to_text()
     yield _conditions(found)
+    if found.levels:
+        yield grid(_LEVELS, found.levels).to_text()
+        yield _louder(found)
     best = found.best()
     if COMPROMISE in best:
         yield (
-            "Compromise: the design of the Pareto front nearest to the best value of every objective, each divided by "
-            "its range on the front; it is better than the unmodified pair in every objective."
+            "Compromise: of the designs of the Pareto front that are better than the unmodified pair in every "
+            "objective, the nearest to the best values of all objectives, each divided by its range on the front."
         )
     elif len(best) > 1:
         yield "There is no compromise that is better than the unmodified pair in every objective."
@@ -66,6 +70,19 @@ def _conditions(found: DesignStudy) -> str:
     return text
 
 
+def _louder(found: DesignStudy) -> str:
+    """Designs with less transmission error than the unmodified pair, but not a lower level."""
+    changes = [key for key in found.levels[0] if key.endswith(" dB")]
+    names = ", ".join(
+        row["design"]
+        for row in found.levels[1:]
+        if row["te um"] < found.levels[0]["te um"] and max(row[key] for key in changes) >= 0.0
+    )
+    return (
+        f"Less transmission error than the unmodified pair, but not a lower level: {names or 'none of these designs'}."
+    )
+
+
 def write_page(found: DesignStudy, path: Path) -> None:
     """Write the page: table, figures, TOML of the recommended design."""
     from pipelines.report.figures.load_map_plots import load_map_figure
@@ -76,6 +93,7 @@ def write_page(found: DesignStudy, path: Path) -> None:
         heading(found.title, 1),
         table(grid("", ({re.sub("[._]", " ", key): value for key, value in row.items()} for row in found.rows()))),
         paragraph(_conditions(found)),
+        *([table(grid(_LEVELS, found.levels)), paragraph(_louder(found))] if found.levels else []),
         picture(design_figure(found), _CAPTION),
         picture(load_map_figure(found.title, found.load_map(name)), _MAP_CAPTION),
         heading(f"Design {name}"),
@@ -87,11 +105,13 @@ def write_page(found: DesignStudy, path: Path) -> None:
 
 
 def toml(settings: Mapping[str, Any]) -> str:
-    """Settings of gears as TOML, a table for each gear."""
+    """Settings of a stage as TOML, with a table for each gear."""
     tables: dict[str, list[str]] = {}
     for key, value in settings.items():
-        _, stage, gear, rest = key.split(".", 3)
-        tables.setdefault(f"[stages.{stage}.{gear}]", []).append(f"{rest} = {json.dumps(value)}")
+        parts = key.split(".")
+        depth = min(len(parts) - 1, 3)
+        lines = tables.setdefault(f"[{'.'.join(parts[:depth])}]", [])
+        lines.append(f"{'.'.join(parts[depth:])} = {json.dumps(value)}")
     return "\n\n".join("\n".join([head, *lines]) for head, lines in tables.items())
 
 
