@@ -205,16 +205,21 @@ class Contact:
 
 
 class FlankContact:
-    """Both gears of a `ContactModel` at its mesh position, condensed to the flanks within `reach` (m) of contact."""
+    """Both gears of a `ContactModel` at its mesh position, condensed to the flanks within `reach` (m) of contact.
 
-    def __init__(self, model: ContactModel, reach: float):
+    void : elements of the pinion that are broken out
+    """
+
+    def __init__(self, model: ContactModel, reach: float, void: np.ndarray | tuple = ()):
         pair, self.model = model.pair, model
         lead = math.tan(pair.base_helix_angle) * pair.pinion.hand_sign
         gears = (pair.pinion, pair.wheel)
         materials = (pair.pinion_material, pair.wheel_material)
         self.bodies = [
-            Body.of(gear, material, mesh, 1e-3 * sign * lead / gear.base_radius, model.fine.fillet)
-            for gear, material, mesh, sign in zip(gears, materials, model.wheels, (1, -1), strict=True)
+            Body.of(gear, material, mesh, 1e-3 * sign * lead / gear.base_radius, model.fine.fillet, broken)
+            for gear, material, mesh, sign, broken in zip(
+                gears, materials, model.wheels, (1, -1), (void, ()), strict=True
+            )
         ]
         points: list[list[np.ndarray]] = [[] for _ in range(10)]
         for number in sorted(self.bodies[0].mesh.flanks.keys() & self.bodies[1].mesh.flanks.keys()):
@@ -265,7 +270,7 @@ class FlankContact:
         arcs = ((self.bodies[0].mesh.nodes[own][..., :2] ** 2).sum(axis=2) - base**2) / (2 * base)
         arc = np.einsum("qn,en->eq", value, arcs).ravel()
         radius = np.sqrt(base**2 + 2 * base * arc)
-        mate = self._mate_radius(xi, radius)
+        mate = self.mate_radius(self.model, xi, radius)
         arc2 = (mate**2 - (1e3 * self.bodies[1].gear.base_radius) ** 2) / (2e3 * self.bodies[1].gear.base_radius)
         mate_nodes, mate_value, on = grids[1].place(z, arc2)
         on &= mate <= 1e3 * pair.wheel.tip_radius
@@ -285,9 +290,10 @@ class FlankContact:
             )
         )
 
-    def _mate_radius(self, xi: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    @staticmethod
+    def mate_radius(model: ContactModel, xi: np.ndarray, radius: np.ndarray) -> np.ndarray:
         """Radius (mm) on the wheel of the points of the pinion at this radius (mm)."""
-        pair = self.model.pair
+        pair = model.pair
         l1, _ = pair.roll_lengths(xi)
         base, alpha = pair.pinion.base_radius, pair.working_pressure_angle
         roll = np.sqrt(np.maximum((radius / 1e3) ** 2 - base**2, 0.0)) / base

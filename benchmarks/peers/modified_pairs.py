@@ -14,7 +14,7 @@ import sys
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -63,7 +63,7 @@ class Case:
     @property
     def modifications(self) -> PairModifications:
         """As the product takes them."""
-        shape = ("linear", "parabolic")[self.power - 1]
+        shape: Literal["linear", "parabolic"] = "linear" if self.power == 1 else "parabolic"
         tip = Relief(amount=self.relief, length=self.length, shape=shape) if self.relief else None
         return PairModifications(
             pinion=FlankModifications(tip_relief=tip, lead_crowning=self.crowning, helix_slope=self.slope),
@@ -169,12 +169,20 @@ def compute(result: dict[str, Any], position: int, scale: float) -> None:
 
 
 def extrapolated(found: dict[str, Any]) -> np.ndarray:
-    """Quantities (load, position, quantity) for vanishing elements."""
-    coarse, fine = (
-        np.array([[[r[q] for q in QUANTITIES] for r in found[f"{p}, {s:g}"]["loads"]] for p in range(POSITIONS)])
-        for s in SCALES
+    """Quantities (load, position, quantity) for vanishing elements.
+
+    The ratio to the coarse mesh is that of the positions that are solved on both, linear between them.
+    """
+    (coarse, every), (fine, some) = (
+        (np.array([[[r[q] for q in QUANTITIES] for r in found[f"{p}, {scale:g}"]["loads"]] for p in places]), places)
+        for scale, places in SCALES.items()
     )
-    return (fine + (fine - coarse) / ((SCALES[1] / SCALES[0]) ** 2 - 1)).swapaxes(0, 1)
+    first, second = SCALES
+    ratio = 1 + (fine / coarse[list(some)] - 1) / (1 - (first / second) ** 2)
+    around = np.concatenate([ratio, ratio[:1]]).reshape(len(some) + 1, -1)
+    at = [*some, POSITIONS]
+    between = np.array([np.interp(list(every), at, column) for column in around.T]).T.reshape(coarse.shape)
+    return np.asarray((coarse * between).swapaxes(0, 1))
 
 
 def by_solid(case: Case) -> np.ndarray:

@@ -1,28 +1,30 @@
 """A spall: one patch broken out of a flank, see `fem.contact.faults.broken_patches`.
 
-The mate is supported by the rim, a sharp edge that is softer than a flank. With both surfaces as elastic half-planes in
-contact over 0 < t < c from the rim, and the nominal contact at the distance s inside the spall (s < 0 outside), the
-pressure that is smooth at c, and the load, are
+The mate is supported by the rim, a sharp edge that is softer than a flank. Both surfaces are taken as elastic
+half-planes in contact over 0 < t < c from the rim, with the nominal contact at the distance s inside the spall (s < 0
+outside). The pressure that is smooth at c, and the load, are
 
     p(t) = E* / (2 rho) sqrt((c - t) / t) (s + c/2 + t),            f = pi E* c / (4 rho) (s + 3 c / 4)
 
 (Johnson 1985, Contact Mechanics, 2.7). With the half-width b of the Hertz contact of the same load, the approach
-exceeds gap and Hertz approach by
+exceeds the sum of gap and Hertz approach by A f e, with A of the law and
 
-    A f e,    e = 1 - 3 kappa^2 / 4 + 2 ln(2 / kappa) + 2 min(s/b, 0)^2,    kappa = c / b = 2/3 (sqrt(s^2/b^2 + 3) - s/b)
+    e = 1 - 3 kappa^2 / 4 + 2 ln(2 / kappa) + 2 min(s/b, 0)^2,    kappa = c / b = 2/3 (sqrt(s^2/b^2 + 3) - s/b)
 
-with A of the law. e rises from 0 at s = -b, where the rim is at the end of the Hertz contact, and is 1.1 at s = 0.
+e rises from 0 at s = -b, where the rim is at the end of the Hertz contact, and is 1.1 at s = 0.
 
-The wall of the spall, of the depth d, makes the rim a quarter-plane. In a wedge of the angle pi/2 a load at its apex
-along one side moves by ln r of the distance times 4 pi / (pi^2 - 4) f / E' (Timoshenko & Goodier, Theory of Elasticity,
-art. 38), in a half-plane times 2 / pi. By the singular part of the load, 1 - kappa^2 / 4, the rim yields further by
+The wall of the spall, of the depth d, makes the rim a quarter-plane. There a load at the apex and along one side causes
+the displacement 4 pi / (pi^2 - 4) f / E' times the logarithm of the distance, in a half-plane 2 / pi f / E'
+(Timoshenko & Goodier, Theory of Elasticity, art. 38). For the share 1 - kappa^2 / 4 of the load, which is that of the
+singular pressure, the rim yields further by
 
-    (4 pi^2 / (pi^2 - 4) - 2) / (pi E') ln(1 + WALL d / c)
+    (4 pi / (pi^2 - 4) - 2 / pi) f / E' ln(1 + WALL d / c)
 
-WALL is that of a step of vertical wall in plane finite elements with the traction p; 1.7 for c = 4 d to 2.4 for c = d/50.
-The law adds compliances that do not depend on the load, so b is that of a usual flank pressure. A spall that is lower
-than the Hertz contact, 2 b, is bridged by both rims: the compliance is reduced in proportion to its height, a judgement
-that lets it vanish with the spall.
+WALL is that of plane finite elements with this pressure (`benchmarks/spall_rim.py`): 1.7 at c = 4 d, 2.4 at c = d/50.
+
+The compliances that a fault adds to a law do not depend on the load, so b is that of a usual flank pressure. A spall
+that is lower than the Hertz contact is bridged by both rims: the compliance is reduced in proportion to its height, an
+assumption that lets it vanish with the spall.
 """
 
 from __future__ import annotations
@@ -76,23 +78,24 @@ class SpalledTooth(FlankDamage):
         self.patches(gear)[0].check(label, gear)
 
     def compliance(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
-        """Compliance (slice, position), m2/N, that the rim adds."""
+        """Compliance (slice, position), m2/N, that the rim adds; none to models without Hertz contact."""
         added = super().compliance(law, pair, gear)
-        if self.flank != law.flank:
+        if self.flank != law.flank or law.contact_slope == 0.0:
             return added
         own, patch = getattr(pair, gear), self.patches(getattr(pair, gear))[0]
         parts = face_parts(law, pair, patch.ends)
         flank = path_points(pair, parts.xi.ravel(), 0.5 * pair.pinion.normal_module)
         arc = arc_at(own, flank.pinion_radius if gear == "pinion" else flank.wheel_radius).reshape(parts.xi.shape)
-        radius = flank.relative_radius.reshape(parts.xi.shape)
+        radius = np.maximum(flank.relative_radius, 1e-3 * pair.base_pitch).reshape(parts.xi.shape)
         middle, half = arc_at(own, patch.radius), patch.half_height(parts.face)[:, None]
         below = np.where(middle > half, arc - (middle - half), np.inf)
         above = np.where(middle + half < arc_at(own, own.tip_form_radius), middle + half - arc, np.inf)
         inside = np.minimum(below, above)
         first, last = patch.ends
         bridged = (parts.face > first) & (parts.face < last)
-        bridged = bridged[:, None] & (inside < np.sqrt(2 * radius * patch.depth))
-        width = 2 * np.pi * law.contact_slope * USUAL_PRESSURE * radius + 1e-300
+        on_path = (flank.gap == 0.0).reshape(radius.shape)
+        bridged = bridged[:, None] & on_path & (inside < np.sqrt(2 * radius * patch.depth))
+        width = 2 * np.pi * law.contact_slope * USUAL_PRESSURE * radius
         softness = [1 / m.plane_strain_modulus for m in (pair.pinion_material, pair.wheel_material)]
         part = softness[gear == "wheel"] / sum(softness)
         edge = edge_compliance(inside / width, part, patch.depth / width)
