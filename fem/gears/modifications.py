@@ -258,10 +258,12 @@ def profile_gap(pair: GearPair, modifications: PairModifications, points: PathPo
             total += own.profile_crowning * ((2 * roll - low - high) / (high - low)) ** 2
         return total
 
+    most = sum(
+        abs(own.profile_crowning) + sum(relief.amount for relief in (own.tip_relief, own.root_relief) if relief)
+        for _, own, _ in gears
+    )
     place = np.zeros((1, len(points.xi)))
-    reach = np.sqrt(
-        2 * points.relative_radius * np.ptp(material(place))
-    )  # beyond it flanks are farther apart than that
+    reach = np.sqrt(2 * points.relative_radius * most)  # farther away involutes are more than that apart
     edge = np.sqrt(8 * points.relative_radius * np.where(np.isfinite(points.gap), points.gap, 0.0))
     steps = np.linspace(-1.0, 1.0, 41)[:, None]
     for size in (1.0, 0.05):  # the second time between the neighbours of the best one
