@@ -35,8 +35,7 @@ from fem.gears.modifications import FlankModifications, PairModifications, Relie
 RESULTS = Path(__file__).resolve().parent.parent / "results" / "modified_pairs.json"
 POSITIONS = 6
 LINE_LOADS = (100e3, 200e3)  # N/m
-SCALES = {1.0: range(POSITIONS), 1.35: (0, 3)}  # positions by the number of elements in every direction
-NARROWEST = 8  # loaded points across a contact, of which its width can be taken
+SCALES: dict[float, Any] = {1.0: range(POSITIONS), 1.35: (0,)}  # positions by the number of elements in every direction
 REACH = 0.12  # m_n, of the flank around a contact line
 QUANTITIES = ("delta_m", "pressure_Pa", "root_stress_pinion_Pa", "root_stress_wheel_Pa")
 
@@ -122,25 +121,16 @@ def measured(model: FlankContact, case: Case, state: Contact) -> dict[str, float
 
 
 def pressure(model: FlankContact, pair: GearPair, state: Contact) -> float:
-    """Largest pressure (MPa) of contacts within the path, of the elliptic one with the load and width of each line.
+    """Largest Hertz pressure (MPa) within the path by the line load of every line of Gauss points across the contact.
 
-    The half-width is twice the standard deviation of the place of the load, which single points scatter less than
-    their traction.
+    The traction itself is larger at the kink where a linear relief starts and at tip edges.
     """
     inside = (model.xi > pair.xi_start) & (model.xi < pair.xi_end) & (state.traction > 0)
-    arc = 1e3 * (model.radius[0] ** 2 - pair.pinion.base_radius**2) / (2 * pair.pinion.base_radius)
     line = np.unique(np.round(model.xi, 9), return_inverse=True)[1]
-    load = model.line_weight * state.traction
-    found = []
-    for number in np.unique(line[inside]):
-        own = (line == number) & (load > 0)
-        if own.sum() < NARROWEST:
-            continue
-        total = load[own].sum()
-        middle = (load[own] @ arc[own]) / total
-        spread = np.sqrt(load[own] @ (arc[own] - middle) ** 2 / total)
-        found.append(total / (np.pi * spread))
-    return max(found) / np.cos(pair.base_helix_angle)
+    load = np.bincount(line, model.line_weight * state.traction)[line][inside]
+    curvature = (1e-3 / np.stack(pair.roll_lengths(model.xi[inside]))).sum(axis=0) * np.cos(pair.base_helix_angle)
+    softness = sum(1e6 / m.plane_strain_modulus for m in (pair.pinion_material, pair.wheel_material))
+    return float(np.sqrt((load * curvature).max() / (np.pi * softness)))
 
 
 def compute(result: dict[str, Any], position: int, scale: float) -> None:
@@ -169,20 +159,23 @@ def compute(result: dict[str, Any], position: int, scale: float) -> None:
 
 
 def extrapolated(found: dict[str, Any]) -> np.ndarray:
-    """Quantities (load, position, quantity) for vanishing elements.
+    """Quantities (load, position, quantity) for vanishing elements; of the coarse mesh if there is no other.
 
-    The ratio to the coarse mesh is that of the positions that are solved on both, linear between them.
+    The ratio to the coarse mesh is that at the positions that are solved on both, linear between them.
     """
-    (coarse, every), (fine, some) = (
-        (np.array([[[r[q] for q in QUANTITIES] for r in found[f"{p}, {scale:g}"]["loads"]] for p in places]), places)
-        for scale, places in SCALES.items()
-    )
+
+    def values(scale: float) -> np.ndarray:
+        rows = [found[f"{p}, {scale:g}"]["loads"] for p in SCALES[scale] if f"{p}, {scale:g}" in found]
+        return np.array([[[row[q] for q in QUANTITIES] for row in position] for position in rows])
+
     first, second = SCALES
-    ratio = 1 + (fine / coarse[list(some)] - 1) / (1 - (first / second) ** 2)
+    coarse, fine, some = values(first), values(second), list(SCALES[second])
+    if len(fine) < len(some):
+        return np.asarray(coarse.swapaxes(0, 1))
+    ratio = 1 + (fine / coarse[some] - 1) / (1 - (first / second) ** 2)
     around = np.concatenate([ratio, ratio[:1]]).reshape(len(some) + 1, -1)
-    at = [*some, POSITIONS]
-    between = np.array([np.interp(list(every), at, column) for column in around.T]).T.reshape(coarse.shape)
-    return np.asarray((coarse * between).swapaxes(0, 1))
+    between = np.array([np.interp(range(POSITIONS), [*some, POSITIONS], column) for column in around.T]).T
+    return np.asarray((coarse * between.reshape(coarse.shape)).swapaxes(0, 1))
 
 
 def by_solid(case: Case) -> np.ndarray:
@@ -209,6 +202,18 @@ def mesh_position_pressure(cycle: Any, load: int) -> np.ndarray:
     return flank_pressure(cycle.pair, cycle.evaluator.law, cycle.cycle, *cycle.line_loads(load)).max(axis=(1, 2))
 
 
+def described(cases: dict[str, Any]) -> str:
+    """The meshes in words."""
+    first, second = SCALES
+    coarse = max(max(case[f"0, {first:g}"]["nodes"]) for case in cases.values())
+    finer = [max(case[f"0, {second:g}"]["nodes"]) for case in cases.values() if f"0, {second:g}" in case]
+    words = f"Mesh of up to {coarse} nodes per gear"
+    if not finer:
+        return f"{words}, one mesh, not extrapolated."
+    some = "" if len(finer) == len(cases) else f" for {len(finer)} of {len(cases)} pairs"
+    return f"{words}{some}, of {max(finer)} at c = 0, from which all positions are extrapolated."
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Compute what is missing, compare, write."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.peers.modified_pairs")
@@ -227,6 +232,7 @@ def main(arguments: list[str] | None = None) -> int:
             print("  mean", a[:, 0].mean(), b[:, 0].mean() / a[:, 0].mean() - 1, "pp", np.ptp(a[:, 0]), np.ptp(b[:, 0]))
             for k in (1, 2, 3):
                 print("  ", QUANTITIES[k], a[:, k].max(), b[:, k].max() / a[:, k].max() - 1, (b[:, k] / a[:, k] - 1))
+    result["meshes"] = described(result["cases"])
     output.keep(result, RESULTS)
     return 0
 
