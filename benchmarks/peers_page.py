@@ -69,16 +69,18 @@ def modified_table(found: Found) -> str:
             by = [list(zip(*one, strict=True)) for one in (exact, own)]
             mean = [1e6 * sum(q[0]) / len(q[0]) for q in by]
             peak = [1e6 * (max(q[0]) - min(q[0])) for q in by]
-            largest = [100 * (max(by[1][k]) / max(by[0][k]) - 1) for k in (1, 2, 3)]
+            largest = [100 * (max(by[1][k]) / max(by[0][k]) - 1) for k in (2, 3)]
             rows.append(
                 [name, str(load), f"{mean[0]:.2f}", f"{100 * (mean[1] / mean[0] - 1):+.1f} %", f"{peak[0]:.2f}"]
                 + [f"{peak[1]:.2f}", *(f"{value:+.1f} %" for value in largest)]
             )
-    headers = ("pair, m_n 2 mm", "N/mm", "mean δ, µm", "`solid`", "peak to peak, µm", "`solid`, µm", "pressure")
+    headers = ("pair, m_n 2 mm", "N/mm", "mean δ, µm", "`solid`", "peak to peak, µm", "`solid`, µm")
     lead = (
-        "Transmission error over six positions of a mesh cycle, and the largest Hertz pressure and root stress, by the "
-        "20-node elements of the CalculiX model with contact of its own (`benchmarks/peers/flank_contact.py`, "
-        f"penalty 1e+08 N/mm³). {found['meshes']} Percentages are deviations of `solid`."
+        "Transmission error over six positions of a mesh cycle, and the largest root stress, by the 20-node elements "
+        "of the CalculiX model with contact of its own (`benchmarks/peers/flank_contact.py`, "
+        f"penalty 1e+08 N/mm³). {found['meshes']} Percentages are deviations of `solid`. "
+        "The Hertz pressure by the line load, as the mean over an element along the face, deviates by -6 to +7 % at "
+        "positions 1 to 4, without tip edges, on the coarser mesh (20 states)."
     )
     return f"{lead}\n\n{markdown((*headers, 'root, pinion', 'root, wheel'), rows)}"
 
