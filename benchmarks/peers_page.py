@@ -77,7 +77,7 @@ def modified_table(found: Found) -> str:
     headers = ("pair, m_n 2 mm", "N/mm", "mean δ, µm", "`solid`", "peak to peak, µm", "`solid`, µm")
     lead = (
         "Transmission error over six positions of a mesh cycle, and the largest root stress, by the 20-node elements "
-        "of the CalculiX model with contact of its own (`benchmarks/peers/flank_contact.py`, "
+        "of the CalculiX model with another contact solution (`benchmarks/peers/flank_contact.py`, "
         f"penalty 1e+08 N/mm³). {found['meshes']} Percentages are deviations of `solid`. "
         "The Hertz pressure by the line load, as the mean over an element along the face, deviates by -6 to +7 % at "
         "positions 1 to 4, without tip edges, on the coarser mesh (20 states)."

@@ -238,8 +238,8 @@ def _relief_start(gear: Gear, relief: Relief, end: float, low: float, high: floa
 def profile_gap(pair: GearPair, modifications: PairModifications, points: PathPoints) -> np.ndarray:
     """Gap (position,), m, that the profile modifications of both gears add at the positions of `points`.
 
-    It is the least over the flanks around the contact point of involutes. At the distance s from it along the flanks
-    these are s^2 / (2 rho) apart, and at a tip edge that already has a gap another s sqrt(2 gap / rho).
+    It is the least over the flanks around the contact point of involutes. The gap between these is s^2 / (2 rho) at the
+    distance s along the flanks, and at a tip edge that already has a gap it is larger by s sqrt(2 gap / rho).
     """
     gears = ((pair.pinion, modifications.pinion, 1.0), (pair.wheel, modifications.wheel, -1.0))
     bounds = [active_roll(pair, name) for name in ("pinion", "wheel")]
@@ -263,7 +263,7 @@ def profile_gap(pair: GearPair, modifications: PairModifications, points: PathPo
         for _, own, _ in gears
     )
     place = np.zeros((1, len(points.xi)))
-    reach = np.sqrt(2 * points.relative_radius * most)  # farther away involutes are more than that apart
+    reach = np.sqrt(2 * points.relative_radius * most)  # farther away the gap is larger than that
     edge = np.sqrt(8 * points.relative_radius * np.where(np.isfinite(points.gap), points.gap, 0.0))
     steps = np.linspace(-1.0, 1.0, 41)[:, None]
     for size in (1.0, 0.05):  # the second time between the neighbours of the best one

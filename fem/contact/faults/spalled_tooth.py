@@ -111,7 +111,7 @@ class SpalledTooth(FlankDamage):
 
 
 def edge_compliance(inside: np.ndarray, part: float, depth: np.ndarray) -> np.ndarray:
-    """Compliance of a rim in excess of that of a flank, divided by A; 0 where the Hertz contact is beside the rim.
+    """Compliance of a rim in excess of that of a flank, divided by A; 0 where the Hertz contact is next to the rim.
 
     Parameters
     ----------
