@@ -78,8 +78,9 @@ def robust(scene: str = "bench", settings: Mapping[str, Any] = {}, torques: tupl
     It holds if the 95 % bootstrap interval of both differences, over the same pairs, is below 0.
     """
     settings = {**settings, "deviations.iso_grade": GRADE}
-    options: dict[str, Any] = {"vary": ROBUST, "torques": torques, "misalignment": MISALIGNMENT}
-    studies = [study(scene, settings, **options, samples=samples) for samples in (0, 20)]
+    options: dict[str, Any] = {"vary": ROBUST, "torques": torques}
+    deviating = {"samples": 20, "misalignment": MISALIGNMENT}
+    studies = [study(scene, settings, **options, **further) for further in ({}, deviating)]
     best = [one.designs.task.variables.modifications(one.designs.values(one.designs.front[0])) for one in studies]
     conditions = replace(studies[1].designs.task.conditions, samples=tuple(FRESH), positions=128)
     pair = build_pairs(changed(load_scene(scene), settings), Work())[0]

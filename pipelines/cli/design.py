@@ -68,8 +68,9 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--samples",
         metavar="N",
         type=count,
-        help="number of pairs with random profile and helix deviations of ISO 1328-1, in the class of the scene "
-        "(default: the nominal pair only)",
+        help="number of pairs with random profile and helix deviations of ISO 1328-1, in the class of the scene, also "
+        "if deviations.enabled is false; for the effect of a misalignment alone, --set deviations.include=[] leaves "
+        "them out (default: the nominal pair only)",
     )
     sub.add_argument(
         "--misalignment",

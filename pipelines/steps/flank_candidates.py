@@ -41,7 +41,7 @@ class Conditions:
     forces : (load,) N along the line of action, ascending
     positions : in a mesh cycle
     samples : seeds of the deviations; the nominal pair is evaluated as well
-    grade : ISO 1328-1 tolerance class of the samples
+    grade : ISO 1328-1 tolerance class of the samples; None: misalignment only
     misalignment : half width (m over the face) of their uniform distribution of misalignments
     loaded : names in `LOADED` that are computed, too
     """
@@ -50,7 +50,7 @@ class Conditions:
     forces: tuple[float, ...]
     positions: int = 32
     samples: tuple[int, ...] = ()
-    grade: int = 5
+    grade: int | None = 5
     misalignment: float = 0.0
     loaded: tuple[str, ...] = ()
 
@@ -59,7 +59,7 @@ class Conditions:
         yield 0.0, (None, None)
         for seed in self.samples:
             tilt = self.misalignment * np.random.default_rng([seed, 6336]).uniform(-1.0, 1.0) / self.pair.face_width
-            yield tilt, _mean_teeth(self.pair, self.grade, seed)
+            yield tilt, (None, None) if self.grade is None else _mean_teeth(self.pair, self.grade, seed)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.contact.models.solid import Solid
 from pipelines.io.text_table import grid
 from pipelines.io.user_files import whole_file
 from pipelines.studies.design.design_study import COMPROMISE, FINE, DesignStudy
@@ -53,6 +54,7 @@ def words(found: DesignStudy) -> Iterator[str]:
             yield f"Design {name} exceeds {', '.join(exceeded)} on the finer positions. Reduce the limit a little."
         if edges := found.edges(name):
             yield f"Design {name} is at the edge of the range of {', '.join(edges)}. Extend the range with --vary."
+    yield from _model(found)
 
 
 def _conditions(found: DesignStudy) -> str:
@@ -63,11 +65,23 @@ def _conditions(found: DesignStudy) -> str:
         f"positions in the mesh cycle, the search with {conditions.positions}."
     )
     if conditions.samples:
+        flanks = "" if conditions.grade is None else f" of class {conditions.grade}"
         text += (
-            f" Deviations: {len(conditions.samples)} pairs of class {conditions.grade} from seed {task.seed}, "
+            f" Deviations: {len(conditions.samples)} pairs{flanks} from seed {task.seed}, "
             f"misalignment up to {1e6 * conditions.misalignment:.3g} um."
         )
     return text
+
+
+def _model(found: DesignStudy) -> Iterator[str]:
+    """What a model without coupling of the slices along the face does not compute."""
+    scene = found.evaluate.scene
+    if not isinstance(scene.machine.laws[scene.stage - 1].mesh, Solid):
+        yield (
+            "This mesh model does not couple the parts of a tooth along the face. It underestimates the effect of "
+            f"crownings and misalignments. Repeat the search with --set stages.{scene.stage}.mesh.model=solid, which "
+            "takes some seconds more."
+        )
 
 
 def _louder(found: DesignStudy) -> str:
@@ -92,7 +106,7 @@ def write_page(found: DesignStudy, path: Path) -> None:
     body = [
         heading(found.title, 1),
         table(grid("", ({re.sub("[._]", " ", key): value for key, value in row.items()} for row in found.rows()))),
-        paragraph(_conditions(found)),
+        *map(paragraph, (_conditions(found), *_model(found))),
         *([table(grid(_LEVELS, found.levels)), paragraph(_louder(found))] if found.levels else []),
         picture(design_figure(found), _CAPTION),
         picture(load_map_figure(found.title, found.load_map(name)), _MAP_CAPTION),

@@ -316,7 +316,7 @@ def _task(loaded: LoadedScene, scene: StagePair, options: DesignOptions, law: Me
             pair=pair,
             forces=forces,
             samples=tuple(range(options.seed, options.seed + options.samples)),
-            grade=loaded.scene.deviations.iso_grade,
+            grade=loaded.scene.deviations.iso_grade if loaded.scene.deviations.include else None,
             misalignment=options.misalignment,
         ),
         torques=torques,

@@ -10,7 +10,7 @@ from typing import Any
 from fem.gears.geometry import GearPair, sum_of_shifts
 from fem.gears.modifications import FlankModifications, PairModifications
 from fem.options import options_of
-from pipelines.io.errors import InputError
+from pipelines.io.errors import InputError, SceneError
 from pipelines.io.shown_text import nearest_name, shown
 from pipelines.machine.scene_flanks import GEARS, modifications
 from pipelines.scene.load_scene import LoadedScene, changed
@@ -85,8 +85,17 @@ class Variables:
         if twice is not None:
             raise InputError(f"--vary {twice}: is varied twice. Delete one of the two.")
         flanks = [one for one in self.given if one.key not in STAGE_KEYS]
+        amounts = {name for name in self.names if name.endswith("_relief.amount_um")}
+        lengths = sorted({name.replace("amount_um", "length_mm") for name in amounts} - set(self.names))
         for end in (0, -1):
-            changed(self.loaded, self._settings((one, one.values[end]) for one in flanks))
+            try:
+                changed(self.loaded, self._settings((one, one.values[end]) for one in flanks))
+            except SceneError as error:
+                if lengths and error.problems[0].path.endswith("_relief"):  # not one of its keys
+                    raise InputError(
+                        f"--vary: the start of a relief is missing. Add its length, as in --vary {lengths[0]}=2."
+                    ) from error
+                raise
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -96,6 +96,7 @@ def test_a_limit_that_is_exceeded_between_the_positions_of_the_search_is_stated(
     ("options", "words"),
     [
         ({"vary": ("both.tip_releif.amount_um=0:9",)}, "Did you mean tip_relief"),
+        ({"vary": VARY[:1]}, r"start of a relief is missing\. .* --vary both\.tip_relief\.length_mm=2"),
         ({"misalignment": 20e-6}, "misalignment = 20 um: .* Set --samples 20"),
         ({"vary": ("tip_relief=0:10",)}, r"gear is missing\. Start with pinion\., .*both.tip_relief\. Keys are tip_"),
         ({"stage": 2}, "there is no such stage"),
@@ -290,21 +291,36 @@ def test_an_interrupted_search_continues_and_a_repeated_one_computes_nothing(mon
         found(vary=vary)
     solved[:] = []  # two batches of 48 were complete
     study = found(vary=vary)
-    assert len(solved) == 120 - 2 * 48 + len(study.names)
+    assert len(solved) == 120 - 2 * 48 + 1 + len(study.names)  # 1: the unmodified pair as in the search
     solved[:] = []
     assert np.array_equal(found(vary=vary).designs.objectives, study.designs.objectives)
     assert not solved
 
 
 def test_a_robust_design_has_the_least_quantile_for_new_deviations_and_misalignments():
-    options = {"vary": (*VARY, "both.lead_crowning_um=0,5,10"), "misalignment": 10e-6}
-    designs = [found(**options, samples=samples).designs for samples in (0, 20)]
+    vary = (*VARY, "both.lead_crowning_um=0,5,10")
+    nominal_and_robust = found(vary=vary), found(vary=vary, samples=20, misalignment=10e-6)
+    designs = [one.designs for one in nominal_and_robust]
     best = [one.task.variables.modifications(one.values(one.front[0])) for one in designs]
     conditions = replace(designs[1].task.conditions, samples=tuple(range(1001, 1051)))
     pair = build_pairs(load_scene("bench"), Work())[0]
     results = flank_candidates.build(conditions, [PairModifications(), *best], laws=(pair.unmodified, pair.unmodified))
     unmodified, nominal, robust = np.quantile(results.peak_to_peak[:, 1:].mean(axis=2), 0.9, axis=1)
     assert robust < 0.9 * nominal < nominal < unmodified
+
+
+def test_samples_without_kinds_of_deviations_are_those_of_the_misalignment_alone():
+    """Without one they are the nominal pair."""
+    plain = changed(load_scene("bench"), {"deviations.include": []})
+    options = {"vary": VARY, "minimize": ("te:worst", "te:nominal"), "samples": 3}
+    aligned, tilted = (
+        design_study(plain, DesignOptions(**options, misalignment=most), Work()) for most in (0.0, 20e-6)
+    )
+    worst, nominal = aligned.designs.objectives.T
+    assert worst.tolist() == nominal.tolist()
+    assert (tilted.designs.objectives[:, 0] > nominal).any()
+    assert "Repeat the search with --set stages.1.mesh.model=solid" in " ".join(lines(tilted))
+    assert "Deviations: 3 pairs from seed 1, misalignment up to 20 um." in " ".join(lines(tilted))
 
 
 def test_without_pymoo_all_combinations_are_evaluated_and_a_larger_search_names_the_package(monkeypatch):
