@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
@@ -140,14 +141,16 @@ def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
         column, row = picture.places[gear]
         axes.text(column, row, gear, ha="center", va="center", fontsize=10, fontweight="bold",
                   bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.5})  # fmt: skip
-    circled = {"ls": "", "marker": "o", "ms": 12, "mew": 2, "mfc": "none", "mec": "cyan"}
-    (circle,) = axes.plot(*picture.places["root"], **circled, label="largest root stress")
+    circle = axes.scatter(*picture.places["root"], s=150, linewidths=2, facecolors="none", edgecolors="cyan",
+                          label="largest root stress")  # fmt: skip
     contact = Line2D([], [], color=CONTACT, lw=3, label="contact lines")
-    handles: list[Patch | Line2D] = [contact, circle]
+    handles: list[Artist] = [contact, circle]
     if number and view.marked:
         handles.append(Patch(color=GONE, alpha=0.6, label=view.marked))
     axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, fontsize=8, frameon=False)
-    note = f"face width {1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1, not deformed; lines and circle are in front"
+    note = (
+        f"face width {1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1, not deformed; lines, circle in front"
+    )
     note += f"\nstress within {SMOOTHED:g} modules of a contact line is smoothed; mesh_<stage>.png gives the Hertz "
     note += "pressure there"
     if view.note and number == len(view.states) - 1:

@@ -273,7 +273,8 @@ def test_the_stress_picture_says_what_it_shows(solved):
     said = words(stress_figure(stress_view(pair, healthy, faulty), [blank(**PLACES)] * 2, 5e8))
     for phrase in (
         "A pair: stage 1, 20/55 teeth", "mesh cycle 3", "load 1200 N", "model solid, refinement 0.6", "contact lines",
-        "von Mises stress, MPa", "largest root stress", "31 MPa at the roots", "missing tooth 3 of the wheel", "pinion", "wheel", "face width 12 mm", "healthy",
+        "von Mises stress, MPa", "largest root stress", "31 MPa at the roots",
+        "missing tooth 3 of the wheel", "pinion", "wheel", "face width 12 mm", "healthy",
     ):  # fmt: skip
         assert phrase in said
 
