@@ -348,7 +348,7 @@ def test_gears_and_faults_in_another_unit_are_a_warning():
     relief = {"amount_um": 0.006, "length_mm": 0.007}
     crack = {"kind": "cracked-tooth", "stage": 1, "gear": "wheel", "tooth": 7, "depth_mm": 0.00035}
     given = {"stages.1.helix_angle_deg": 0.2269, "stages.1.pinion.tip_relief": relief, "faults": [crack]}
-    scene = changed(load_scene("bench"), given).scene
+    scene = load_scene("bench", given).scene
     found = [text for text in design_warnings(scene, make_drivetrain(scene)) if "unusual" in text]
     assert [text.partition(":")[2].rpartition(" in ")[2] for text in found] == [
         "rad: 13 deg", "mm: 6 um", "m: 7 mm", "m: 0.35 mm",
