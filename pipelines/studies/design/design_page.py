@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 _CAPTION = (
     "Left: candidates as evaluated in the search, and, filled, the unmodified pair and the best designs with more "
-    "positions in the mesh cycle. Right: transmission error of the nominal pair and, dashed, its 90 % quantile "
-    "over the pairs with deviations"
+    "positions in the mesh cycle. Middle and right: transmission error of the nominal pair and the amplitude of its "
+    "first order; dashed: their 90 % quantiles over the pairs with deviations"
 )
 _LEVELS = "Levels at the torque of the scene, by the linearised machine and by the time loop"
 _MAP_CAPTION = (
@@ -133,10 +133,11 @@ def design_figure(found: DesignStudy) -> Figure:
     """Figure of the candidates with the front, and of the transmission error over the torque."""
     from pipelines.report.figures.plots import new_figure
 
-    figure = new_figure(4.6, 11.0)
-    front, loads = figure.subplots(1, 2)
+    figure = new_figure(4.6, 16.0)
+    front, *loads = figure.subplots(1, 3)
     _draw_front(front, found)
-    _draw_loads(loads, found)
+    _draw_loads(loads[0], found, found.results.peak_to_peak, "peak to peak, µm")
+    _draw_loads(loads[1], found, found.results.orders[..., 0], "amplitude of order 1, µm")
     return figure
 
 
@@ -185,16 +186,16 @@ def _purposes(found: DesignStudy) -> dict[str, str]:
     return purposes
 
 
-def _draw_loads(axes: Axes, found: DesignStudy) -> None:
-    """Peak-to-peak transmission error of the nominal pair, and the 90 % quantile of the samples."""
+def _draw_loads(axes: Axes, found: DesignStudy, values: np.ndarray, label: str) -> None:
+    """Values (candidate, sample, load), m, of the nominal pair, and the 90 % quantile of the samples."""
     from pipelines.report.figures.plots import dress
 
     torques = np.array(found.designs.task.torques)
     for number, (name, words) in enumerate({"unmodified": "", **_purposes(found)}.items()):
-        own, colour = 1e6 * found.results.peak_to_peak[found.names.index(name)], f"C{number - 1}" if number else "black"
+        own, colour = 1e6 * values[found.names.index(name)], f"C{number - 1}" if number else "black"
         axes.plot(torques, own[0], "o-", ms=4, color=colour, label=f"{name} {words}")
         if len(own) > 1:
             axes.plot(torques, np.quantile(own[1:], 0.9, axis=0), "o--", ms=4, mfc="none", color=colour)
-    dress(axes, "transmission error over the torque", "torque on the pinion, N m", "peak to peak, µm")
+    dress(axes, "transmission error over the torque", "torque on the pinion, N m", label)
     axes.set_ylim(0.0, 1.3 * axes.get_ylim()[1])  # room for the legend
     axes.legend(fontsize=8, frameon=False, loc="upper left", ncols=2)

@@ -346,7 +346,7 @@ def test_the_stress_picture_is_coloured(solved):
         pytest.skip("drawn for the right hand")
     state = teeth_in_mesh(pair, faulty)
     gears = gear_view(pair, ("wheel", 3), in_mesh=True)
-    picture = drawn(render_stress, gears, 3.0, state, float(state.von_mises.max()), (400, 250))
+    picture = drawn(render_stress, gears, 3.0, state, float(state.von_mises.max()), state.points[0], (400, 250))
     image = picture.image.astype(int)
     assert (image < 250).any(axis=2).mean() > 0.3
     assert reddish(picture.image) > 20  # the edges of the missing tooth
