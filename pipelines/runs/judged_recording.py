@@ -234,7 +234,7 @@ def requested_windows(source: str | Path, asked: str, windows: Windows | None) -
     start, colon, end = asked.partition(":")
     try:
         if colon:
-            return {asked: (float(start), float(end))}
+            return {"the window": (float(start), float(end))}
     except ValueError:
         pass
     names = f", or {', '.join(shown(name) for name in windows)}" if windows else ""
@@ -296,16 +296,12 @@ def read_features(
             for name, (start, end) in (windows or {}).items()
         }
         settings = FeatureSettings(kinematics=machine.kinematics, windows=windows, complete=noise is not None)
-        for name, (start, end) in windows.items():
-            if start >= end:
+        beyond = time[-1] + 1.5 * (time[-1] - time[-2])  # the recording ends one step after its last sample
+        for start, end in windows.values():
+            if not time[0] <= start < end < beyond:
                 raise InputError(
-                    f"{shown(path)}: {name} from {start:g} to {end:g} s must end after its start. Set a "
-                    "later end or an earlier start."
-                )
-            if start < time[0] or end > 2 * time[-1] - time[-2]:
-                raise InputError(
-                    f"{shown(path)}: {name} from {start:g} to {end:g} s is not within the recording, {time[0]:.6g} to "
-                    f"{time[-1]:.6g} s. Select a window within it: {shown(path)}@START:END"
+                    f"{shown(path)}: the window from {start:g} to {end:g} s is not within the recording, {time[0]:.6g} "
+                    f"to {time[-1]:.6g} s. Select a window within it, its start before its end: {shown(path)}@START:END"
                 )
         try:
             rotation = rotation_of(recording, machine.kinematics)

@@ -7,6 +7,7 @@ import pytest
 
 from pipelines.cli.main import main
 from pipelines.diagnosis.impacts import CLEAR
+from pipelines.io.errors import InputError
 from pipelines.runs.judged_recording import file_facts, file_words, files_grid, judge_files
 from pipelines.signals.features.passing import PASSING, pass_levels
 
@@ -73,6 +74,17 @@ def test_the_speed_that_the_multiples_of_the_shaft_show_is_stated_if_no_other_is
     assert abs(facts["speed_rpm"] / (60.0 * SPEED) - 1.0) < 1e-3
     assert facts["speed_uncertainty_percent"] < 1.0
     assert "the multiples of the shafts in the envelope determine it better" in facts["turning"]
+
+
+def test_a_window_can_end_with_the_recording_and_not_later(tmp_path):
+    """Rounded times of samples end before 2 s: the last one plus one step is 1.9999999999999998 s."""
+    rate = 20000
+    judged(tmp_path, np.random.default_rng(1).standard_normal(2 * rate), MACHINE.replace("12000", str(rate)))
+    files = tmp_path / "record.npy", (), tmp_path / "machine.toml"
+    assert next(judge_files([files[0]], *files[1:], window=(0.1, 2.0))).recorded.turning.count("0.1 to 2 s") == 1
+    for window in ((0.1, 2.0001), (2.0, 3.0), (1.0, 0.5)):
+        with pytest.raises(InputError, match=rf"from {window[0]:g} to {window[1]:g} s is not within the recording"):
+            next(judge_files([files[0]], *files[1:], window=window))
 
 
 @pytest.mark.parametrize("seed", range(5))
