@@ -108,7 +108,9 @@ class FeatureSource:
             )
         for reason, names in list(refused.items())[0 if found else 1 :]:  # the first is the error below
             some = ", ".join(names[:_NAMED]) + ", ..." * (len(names) > _NAMED)
-            _LOG.warning("no features of %d of %d signals, %s: %s", len(names), found + len(self.failures), some, reason)
+            _LOG.warning(
+                "no features of %d of %d signals, %s: %s", len(names), found + len(self.failures), some, reason
+            )
         if not found:
             raise InputError(next(iter(self.failures.values()), "There is no finished run. Repeat the campaign."))
 

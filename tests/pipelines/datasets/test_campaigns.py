@@ -137,6 +137,23 @@ def test_faults_of_shafts_are_labelled_with_their_size(tmp_path, kind):
         assert "shaft" in found["places"]
 
 
+@pytest.mark.parametrize(
+    ("fault", "key"),
+    [
+        ("kind = 'spalled-tooth', height_mm = '$size', length_mm = 5.0, depth_um = 200.0", "height_mm"),
+        ("kind = 'chipped-tooth', depth_mm = '$size', extent_mm = 5.0", "depth_mm"),
+        ("kind = 'worn-tooth', depth_um = '$size'", "depth_um"),
+    ],
+)
+def test_the_severity_of_a_tooth_fault_is_the_size_that_determines_its_effect(tmp_path, fault, key):
+    faults = f"faults = [{{ stage = 1, gear = 'pinion', tooth = 3, {fault} }}]"
+    varied = "[variables]\nsize = { from = 0.5, to = 1.5 }"
+    plan = load(tmp_path, f'scene = "minimal"\nscenes = 2\n{varied}\n[settings]\n{faults}\n')
+    for one in sampled_scenes(plan):
+        found = labels(make_machine(scene_of(plan, one.values).scene))
+        assert (found["severity"], found["severity_key"]) == (one.values["size"], key)
+
+
 def test_a_machine_without_the_folder_sends_the_same_bits(whole, tmp_path):
     run(tmp_path, executor=Elsewhere)
     assert content(tmp_path / "out") == content(whole)
