@@ -139,6 +139,8 @@ def recorded_parts(
     """
     from pipelines.diagnosis.comparison.compared_recording import compared_recording
     from pipelines.recordings.read_recording import read_recording
+    from pipelines.signals.features.recording_features import FeatureError
+    from pipelines.signals.orders.rotation import RotationError
 
     last, asked = recording_and_window(sources[-1])
     known, windows = machine_of(last, machine)
@@ -146,10 +148,12 @@ def recorded_parts(
     parts = []
     for source in sources:
         file, asked = recording_and_window(source)
+        own = requested_windows(source, asked, chosen)
         with read_recording(file, known) as recording:
-            parts.append(
-                compared_recording(shown(source), recording, known.kinematics, requested_windows(source, asked, chosen))
-            )
+            try:
+                parts.append(compared_recording(shown(source), recording, known.kinematics, own))
+            except (FeatureError, RotationError) as error:
+                raise InputError(f"{shown(source)}: {error}") from error
     return parts
 
 
@@ -371,6 +375,7 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile], refused: Itera
     from pipelines.diagnosis.impacts import CLEAR
     from pipelines.diagnosis.verdict_words import STRENGTH, answer, strength
     from pipelines.signals.features.feature_table import WHOLE
+    from pipelines.signals.orders.rotation import percent
 
     rows: list[dict[str, str]] = []
     for name, one in zip(names, found, strict=True):
@@ -387,7 +392,7 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile], refused: Itera
         evidence = f"impacts dB (limit {CLEAR:g})" if one.verdict is None else STRENGTH
         known = {
             "rpm": f"{60 * table.speed[0]:.5g}",
-            "known to %": f"{100 * one.recorded.error:.1g}",
+            "known to %": percent(one.recorded.error),
             "rms m/s2": f"{rms:.3g}",
         }
         named = zip(("answer", "strongest evidence", evidence), result, strict=True)

@@ -87,6 +87,27 @@ def test_a_window_can_end_with_the_recording_and_not_later(tmp_path):
             next(judge_files([files[0]], *files[1:], window=window))
 
 
+def test_orders_at_constant_speed_have_no_picture_over_speed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    judged(tmp_path, unbalanced(np.random.default_rng(1)))
+    assert main(["orders", "record.npy", "--machine", "machine.toml", "--orders", "1", "--out", "seen"]) == 0
+    assert "The speed is constant within 1 %: there is no picture of amplitudes over speed." in capsys.readouterr().out
+    assert [one.name for one in (tmp_path / "seen").iterdir()] == ["orders.png"]
+
+
+def test_orders_of_a_run_up_without_tachometer_name_the_file_and_ask_for_the_speed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    time = np.arange(round(RATE * SECONDS)) / RATE
+    turn = 2 * np.pi * (20.0 * time + 2.0 * time**2)
+    random = np.random.default_rng(1)
+    judged(tmp_path, np.cos(20 * turn) + 0.1 * random.standard_normal(len(time)))
+    (tmp_path / "gears.toml").write_text("teeth = [[20, 31]]\nspeed_rpm = 1740\nrate_Hz = 12000\n", encoding="utf-8")
+    assert main(["orders", "record.npy", "--machine", "gears.toml"]) == 2
+    message = capsys.readouterr().err
+    assert "record.npy: the speed cannot be found" in message
+    assert 'speed = { channel = "n", units = "rpm" }, which a run-up needs' in message
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_the_speed_of_noise_is_the_nominal_one_with_its_uncertainty(tmp_path, seed):
     noise = np.random.default_rng(seed).standard_normal(round(RATE * SECONDS))
