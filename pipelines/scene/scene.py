@@ -234,8 +234,8 @@ class Scene(Table):
             elif end > self.simulation.end_s:
                 yield (
                     f"diagnosis.windows_s.{name} = [{start:g}, {end:g}]: the window ends after simulation.end_s = "
-                    f"{self.simulation.end_s:g}. Reduce its end, raise simulation.end_s, or set diagnosis.windows_s = {{}} for signals without "
-                    "diagnosis"
+                    f"{self.simulation.end_s:g}. Reduce its end, raise simulation.end_s, or run with --set "
+                    "diagnosis.windows_s={} for signals without diagnosis"
                 )
 
 
