@@ -36,6 +36,8 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_
 LIMIT = 900  # s for one part
 PEERS: dict[str, tuple[str, ...]] = {  # other programs, with the arguments of their measurement
     "calculix_contact": ("--compare",),  # its own figures take hours: python -m benchmarks.peers.calculix_contact
+    "modified_pairs": ("--compare",),  # half an hour
+    "bridged_spalls": ("--compare",),
     "calculix_frequency": (),
     "exudyn_mesh": (),
     "scipy_mesh": (),

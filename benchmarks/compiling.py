@@ -53,6 +53,8 @@ def main(scene: str) -> None:
         print(f"{seconds:7.2f} s, {number} x  {name.rpartition('_')[0]}")
     times = sum(number for _, (number, _) in rows)
     print(f"{sum(seconds for _, (_, seconds) in rows):7.2f} s  {len(rows)} functions, compiled {times} times")
+    used = os.times()
+    print(f"{used.children_user + used.children_system:7.2f} s  processor time of the run, over all its processes")
 
 
 if __name__ == "__main__":

@@ -67,7 +67,7 @@ def benchmarks_page(result: dict[str, Any]) -> str:
     parts = result["parts"]
     sections = [
         ("Evaluation of a mesh law", "One call of the compiled kernel computes force, moment, energy and their "
-         "derivatives at one position in mesh, for stage 1 of `rig-healthy` at the approach of the nominal load.",
+         "derivatives at one position in mesh, for stage 1 of `rig-healthy` at the deflection under the nominal load.",
          "evaluation", evaluation_table),
         ("Casing: mesh", "The housing of `rig-healthy`.", "mesh", casing_table),
         ("Casing: assembly and factorisation", "Cubic hexahedra with edge-singularity enrichment. The factorised "
@@ -79,7 +79,7 @@ def benchmarks_page(result: dict[str, Any]) -> str:
          "bare loop repeats the motion of one assembled machine in as many processes, before and after the campaign. "
          "The ratio is the rate of the campaign divided by the mean rate of the loops.", "campaign", campaign_table),
         ("Scenes in lockstep", "Scenes with the same modes could advance together, as columns of a matrix; gearcase "
-         "does not. It would speed up the arithmetic over modes, but not the forces.",
+         "does not. Advancing them together would speed up the arithmetic over modes, but not the forces.",
          "lockstep", lockstep_table),
     ]  # fmt: skip
     text = [

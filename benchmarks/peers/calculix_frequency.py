@@ -23,7 +23,8 @@ from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.reduced.grounded import assembled_casing
-from fem.casing.reduced.reduction import Reduction, reduce_body
+from fem.casing.reduced.halves import reduced_and_counted
+from fem.casing.reduced.reduction import Reduction
 from fem.elements.materials import Material
 from fem.elements.solid_elements import straight_places
 
@@ -54,8 +55,8 @@ def straightened(mesh: CasingMesh) -> CasingMesh:
 
 def ours(mesh: CasingMesh, material: Material) -> Reduction:
     """All modes to HIGHEST with the feet held."""
-    casing = assembled_casing(mesh, material, interfaces=()).held()
-    return reduce_body(casing.interface, casing.K_free, casing.M_free, highest=HIGHEST)
+    casing = assembled_casing(mesh, material, interfaces=(), divided=True)
+    return reduced_and_counted(casing.subspaces, casing.loads, highest=HIGHEST)[0]
 
 
 def measure(element_size: float | None = None) -> dict[str, Any]:

@@ -9,7 +9,7 @@ surface, no friction; C3D20R elements. N, mm, MPa.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -30,6 +30,7 @@ NAMES = ("PINION", "WHEEL")
 class ContactModel:
     """One position of a pair: mesh cycle, the pair number whose wheel tooth is broken off, sizes and penalty.
 
+    ends : of pinion and wheel, by pair number, see `wheel_mesh`
     penalty in N/mm3; largest_gap (m): pairs that are closer than this somewhere on the face have fine teeth.
     plane_strain holds every node along the axis.
     """
@@ -42,6 +43,7 @@ class ContactModel:
     penalty: float = 1e8
     largest_gap: float = 15e-6
     plane_strain: bool = False
+    ends: tuple[dict[int, np.ndarray], dict[int, np.ndarray]] = field(default_factory=lambda: ({}, {}))
 
     def position(self, number: int, height: np.ndarray) -> np.ndarray:
         """Position xi of a tooth pair on the path of contact at the face coordinates `height` (m)."""
@@ -81,6 +83,7 @@ class ContactModel:
                     self.coarse,
                     falling=sign > 0.0,
                     missing=self.missing if sign < 0.0 else None,
+                    ends=self.ends[sign < 0.0],
                 )
             )
         return out[0], out[1]

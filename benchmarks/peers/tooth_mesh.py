@@ -28,6 +28,7 @@ class Sizes:
 
     below, above: rows on the involute under and over the contact line; fillet: rows from mid fillet to the form circle;
     across: columns of the tooth; land: columns on each root land; layers: from root to bore; face: along the face.
+    even: rows of equal size on each side of the contact line, so that the two flanks match there.
     """
 
     contact: float
@@ -38,6 +39,7 @@ class Sizes:
     land: int
     layers: int
     face: int
+    even: int = 0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -102,10 +104,15 @@ class Profile:
         )
 
 
-def graded(length: float, first: float, count: int) -> np.ndarray:
-    """Element ends 0 .. length, `count` elements that grow geometrically from `first`; even where that is too long."""
+def graded(length: float, first: float, count: int, even: int = 0) -> np.ndarray:
+    """Element ends 0 .. length, `count` elements: `even` ones of size `first`, then a geometric growth from it.
+
+    All are equal where the length is shorter.
+    """
     if count == 1 or first * count >= length:
         return np.linspace(0.0, length, count + 1)
+    if even:
+        return np.append(first * np.arange(even), even * first + graded(length - even * first, first, count - even))
     ratio = brentq(lambda q: first * (q**count - 1.0) / (q - 1.0) - length, 1.0 + 1e-9, 1e3)
     return np.append(first * (ratio ** np.arange(count) - 1.0) / (ratio - 1.0), length)
 
@@ -117,27 +124,32 @@ def with_middles(ends: np.ndarray) -> np.ndarray:
     return out
 
 
-def sector(profile: Profile, sizes: Sizes, contact_arc: np.ndarray | None = None) -> Sector:
-    """A sector whose rows are finest at `contact_arc` (face stations,), or half way up the flank."""
+def contact_rows(profile: Profile, sizes: Sizes, contact_arc: np.ndarray) -> np.ndarray:
+    """Ends of the rows on the involute (row, station), finest at `contact_arc` (station,)."""
+    margin = 0.3 * sizes.contact
+    touch = np.clip(contact_arc, margin * sizes.below, profile.length - margin * sizes.above)
+    columns = [
+        np.append(
+            t - graded(t, sizes.contact, sizes.below, sizes.even)[:0:-1],
+            t + graded(profile.length - t, sizes.contact, sizes.above, sizes.even),
+        )
+        for t in touch
+    ]
+    return np.column_stack(columns)
+
+
+def sector(
+    profile: Profile, sizes: Sizes, contact_arc: np.ndarray | None = None, ends: np.ndarray | None = None
+) -> Sector:
+    """A sector whose rows are finest at `contact_arc` (station,), or half way up the flank; or have given `ends`."""
     gear = profile.gear
     station = np.linspace(-0.5, 0.5, 2 * sizes.face + 1)
-    wanted = np.full(station.size, 0.5 * profile.length) if contact_arc is None else contact_arc
-    margin = 0.3 * sizes.contact
-    touch = np.clip(wanted, margin * sizes.below, profile.length - margin * sizes.above)
+    if ends is None:
+        half = np.full(station.size, 0.5 * profile.length)
+        ends = contact_rows(profile, sizes, half if contact_arc is None else contact_arc)
     *_, middle = profile.fillet
     fillet = with_middles(np.linspace(middle, 0.0, sizes.fillet + 1))[:-1]
-    rows = np.column_stack(
-        [
-            np.concatenate(
-                [
-                    fillet,
-                    with_middles(t - graded(t, sizes.contact, sizes.below)[::-1])[:-1],
-                    with_middles(t + graded(profile.length - t, sizes.contact, sizes.above)),
-                ]
-            )
-            for t in touch
-        ]
-    )
+    rows = np.column_stack([np.concatenate([fillet, with_middles(column)]) for column in ends.T])
     # straight in arc and face coordinate within an element: a quadratic edge then lies on the flank, kinks included
     rows[:, 1::2] = (rows[:, :-1:2] + rows[:, 2::2]) / 2.0
     flank_radius, flank_angle = profile.at(rows)

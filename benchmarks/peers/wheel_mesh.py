@@ -60,6 +60,7 @@ def wheel_mesh(
     *,
     falling: bool,
     missing: int | None = None,
+    ends: dict[int, np.ndarray] | None = None,
 ) -> WheelMesh:
     """Mesh a gear.
 
@@ -70,6 +71,7 @@ def wheel_mesh(
         stations of the fine sizes
     falling : tooth angles fall with the pair number
     missing : pair number of a tooth that is broken off at the middle of its fillet
+    ends : ends of the rows on the involute (row, station), m, by pair number, where they do not follow the contact line
     """
     profile = Profile(gear)
     numbers = sorted(contact)
@@ -78,7 +80,7 @@ def wheel_mesh(
     shared = sector(profile, coarse)
     for number in (*numbers, *others):
         if number in contact:
-            part = sector(profile, fine, profile.arc_of_roll(contact[number]))
+            part = sector(profile, fine, profile.arc_of_roll(contact[number]), (ends or {}).get(number))
         else:
             part = shared
         blocks[number] = _block(gear, part, centre_angle, number, whole=number != missing)

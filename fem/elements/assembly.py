@@ -26,6 +26,21 @@ def pattern(own: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     return found.indptr.astype(np.int32), found.indices.astype(np.int32)
 
 
+def three_each(indptr: np.ndarray, indices: np.ndarray) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    """Matrices of zeros for three unknowns a function: coupled along all axes, and along the same axis only.
+
+    Parameters
+    ----------
+    indptr, indices : those of `pattern`
+    """
+    count, axes = len(indptr) - 1, np.arange(3, dtype=np.int32)
+    thrice = sp.csr_matrix((indices, indices, indptr), shape=(count, count))[np.repeat(np.arange(count), 3)]
+    first = 3 * thrice.indices
+    K = (np.zeros(3 * len(first)), (first[:, None] + axes).ravel(), 3 * thrice.indptr)
+    M = (np.zeros(len(first)), first + np.repeat(np.tile(axes, count), np.diff(thrice.indptr)), thrice.indptr)
+    return sp.csr_matrix(K, shape=(3 * count, 3 * count)), sp.csr_matrix(M, shape=(3 * count, 3 * count))
+
+
 @stored(__file__)
 def add_elements(
     own: np.ndarray,
@@ -48,7 +63,7 @@ def add_elements(
     products, masses : (6, e, k, k) by `fem.elements.solid_elements.AXES`, m, and (e, k, k), m3
     lam, mu : Lame constants, Pa
     indptr, indices : those of `pattern`
-    stiffness, mass : (pair, 3, 3) blocks, N/m, and one number (pair,), m3, for the pairs of functions of `pattern`
+    stiffness, mass : (9 pair,) N/m and (3 pair,) m3, entries of matrices with three unknowns a function, by their rows
     """
     for e in range(own.shape[0]):
         for a in range(own.shape[1]):
@@ -66,17 +81,20 @@ def add_elements(
                         low = middle
                     else:
                         high = middle
-                mass[low] += masses[e, a, b]
+                before, wide = low - indptr[row], indptr[row + 1] - indptr[row]
+                for axis in range(3):
+                    mass[3 * indptr[row] + axis * wide + before] += masses[e, a, b]
                 xx, yy, zz = products[0, e, a, b], products[1, e, a, b], products[2, e, a, b]
                 xy, xz, yz = products[3, e, a, b], products[4, e, a, b], products[5, e, a, b]
                 yx, zx, zy = products[3, e, b, a], products[4, e, b, a], products[5, e, b, a]
                 shear = mu * (xx + yy + zz)
-                stiffness[low, 0, 0] += (lam + mu) * xx + shear
-                stiffness[low, 0, 1] += lam * xy + mu * yx
-                stiffness[low, 0, 2] += lam * xz + mu * zx
-                stiffness[low, 1, 0] += lam * yx + mu * xy
-                stiffness[low, 1, 1] += (lam + mu) * yy + shear
-                stiffness[low, 1, 2] += lam * yz + mu * zy
-                stiffness[low, 2, 0] += lam * zx + mu * xz
-                stiffness[low, 2, 1] += lam * zy + mu * yz
-                stiffness[low, 2, 2] += (lam + mu) * zz + shear
+                own_rows = stiffness[9 * indptr[row] : 9 * indptr[row + 1]].reshape(3, wide, 3)[:, before]
+                own_rows[0, 0] += (lam + mu) * xx + shear
+                own_rows[0, 1] += lam * xy + mu * yx
+                own_rows[0, 2] += lam * xz + mu * zx
+                own_rows[1, 0] += lam * yx + mu * xy
+                own_rows[1, 1] += (lam + mu) * yy + shear
+                own_rows[1, 2] += lam * yz + mu * zy
+                own_rows[2, 0] += lam * zx + mu * xz
+                own_rows[2, 1] += lam * zy + mu * yz
+                own_rows[2, 2] += (lam + mu) * zz + shear

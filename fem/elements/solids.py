@@ -69,17 +69,16 @@ def assemble(
         count += int(cubic.moving.sum())
     own = own.astype(np.int32)
     indptr, indices = assembly.pattern(own, count)
-    stiffness, mass = np.zeros((len(indices), 3, 3)), np.zeros(len(indices))
+    K, M = assembly.three_each(indptr, indices)
     parts = [(0, _products(nodes, elements[chosen]))]
     if cubic is not None:
         parts.append((elements.shape[1], cubic.products(chosen)))
     for known, several in parts:
         for members, products, masses in several:
             of_part = np.ascontiguousarray(own[members, : masses.shape[1]])
-            assembly.add_elements(of_part, known, products, masses, lam, mu, indptr, indices, stiffness, mass)
-    K = sp.bsr_matrix((stiffness, indices, indptr), shape=(3 * count, 3 * count)).tocsr()
-    of_axis = sp.csr_matrix((density * mass, indices, indptr), shape=(count, count))
-    return K, sp.csr_matrix(sp.kron(of_axis, sp.eye_array(3), format="csr"))
+            assembly.add_elements(of_part, known, products, masses, lam, mu, indptr, indices, K.data, M.data)
+    M.data *= density
+    return K, M
 
 
 def _products(nodes: np.ndarray, elements: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:

@@ -16,6 +16,28 @@ from fem.gears.gear_checks import require
 from fem.gears.profile import form_point, form_radius, generate_trochoid
 from fem.numerics.root_finding import brentq
 
+
+def sum_of_shifts(
+    teeth: int, normal_module: float, helix_angle: float, pressure_angle: float, distance: float
+) -> float:
+    """Sum of the profile shift coefficients of two gears without backlash at a centre distance (ISO 21771).
+
+    Parameters
+    ----------
+    teeth : of both gears together
+    normal_module, distance : m, and centre distance, m
+    helix_angle, pressure_angle : rad, the latter that of the rack
+
+    Raises
+    ------
+    GeometryError : the distance is not above the sum of the base radii
+    """
+    transverse = math.atan(math.tan(pressure_angle) / math.cos(helix_angle))
+    cosine = teeth * normal_module * math.cos(transverse) / (2 * math.cos(helix_angle) * distance)
+    require(cosine < 1.0, f"{1000 * distance:.6g} mm is not above the sum of the base radii. Raise centre_distance_mm")
+    return (involute(math.acos(cosine)) - involute(transverse)) * teeth / (2 * math.tan(pressure_angle))
+
+
 _Places = TypeVar("_Places", float, np.ndarray)
 
 logger = logging.getLogger(__name__)

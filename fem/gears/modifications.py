@@ -130,6 +130,10 @@ class Misalignment:
     in_plane: float = 0.0
     out_of_plane: float = 0.0
 
+    def opening(self, pressure_angle: float, sign: float = 1.0) -> float:
+        """Gap over the face (m/m) in the plane of action; sign 1 for drive flanks, -1 for coast flanks."""
+        return self.in_plane * math.sin(pressure_angle) + sign * self.out_of_plane * math.cos(pressure_angle)
+
     def __post_init__(self) -> None:
         for item in fields(self):
             value = getattr(self, item.name)
@@ -230,27 +234,49 @@ def _relief_start(gear: Gear, relief: Relief, end: float, low: float, high: floa
     bounds = [2 * math.hypot(gear.base_radius, value) for value in (low, high)]
     require(
         low - 1e-12 <= start <= high + 1e-12 and start != end,
-        f"{label} starts at roll length {1000 * start:.5g} mm (diameter "
-        f"{2000 * math.hypot(gear.base_radius, start):.6g} mm), outside the active profile. Set diameter_mm between "
-        f"{1000 * bounds[0]:.6g} and {1000 * bounds[1]:.6g}, or length_mm up to {1000 * (high - low):.5g}",
+        f"{label} is {1000 * abs(end - start):.5g} mm long, and must start on the active profile. Set diameter_mm "
+        f"between {1000 * bounds[0]:.6g} and {1000 * bounds[1]:.6g}, or length_mm up to {1000 * (high - low):.5g}",
     )
     return start
 
 
 def profile_gap(pair: GearPair, modifications: PairModifications, points: PathPoints) -> np.ndarray:
-    """Gap (position,), m, from the profile modifications of both gears at the contact points of `points`."""
-    total = np.zeros(len(points.xi))
-    for name, radius in (("pinion", points.pinion_radius), ("wheel", points.wheel_radius)):
-        own, gear = getattr(modifications, name), getattr(pair, name)
-        roll = np.sqrt(np.maximum(radius**2 - gear.base_radius**2, 0.0))
-        low, high = active_roll(pair, name)
-        for relief, end in ((own.tip_relief, high), (own.root_relief, low)):
-            if relief is not None:
-                start = _relief_start(gear, relief, end, low, high, pair.label)
-                part = np.maximum((roll - start) / (end - start), 0.0)
-                total += relief.amount * part ** SHAPES[relief.shape]
-        total += own.profile_crowning * ((2 * roll - low - high) / (high - low)) ** 2
-    return total
+    """Gap (position,), m, that the profile modifications of both gears add at the positions of `points`.
+
+    It is the least over the flanks around the contact point of involutes. The gap between these is s^2 / (2 rho) at the
+    distance s along the flanks, and at a tip edge that already has a gap it is larger by s sqrt(2 gap / rho).
+    """
+    gears = ((pair.pinion, modifications.pinion, 1.0), (pair.wheel, modifications.wheel, -1.0))
+    bounds = [active_roll(pair, name) for name in ("pinion", "wheel")]
+    radii = (points.pinion_radius, points.wheel_radius)
+
+    def material(shift: np.ndarray) -> np.ndarray:
+        total = np.zeros(shift.shape)
+        for (gear, own, sign), (low, high), radius in zip(gears, bounds, radii, strict=True):
+            moved = np.minimum(radius**2 + 2 * gear.base_radius * sign * shift, gear.tip_form_radius**2)
+            roll = np.sqrt(np.maximum(moved - gear.base_radius**2, 0.0))
+            for relief, end in ((own.tip_relief, high), (own.root_relief, low)):
+                if relief is not None:
+                    start = _relief_start(gear, relief, end, low, high, pair.label)
+                    part = np.maximum((roll - start) / (end - start), 0.0)
+                    total += relief.amount * part ** SHAPES[relief.shape]
+            total += own.profile_crowning * ((2 * roll - low - high) / (high - low)) ** 2
+        return total
+
+    most = sum(
+        abs(own.profile_crowning) + sum(relief.amount for relief in (own.tip_relief, own.root_relief) if relief)
+        for _, own, _ in gears
+    )
+    place = np.zeros((1, len(points.xi)))
+    reach = np.sqrt(2 * points.relative_radius * most)  # farther away the gap is larger than that
+    edge = np.sqrt(8 * points.relative_radius * np.where(np.isfinite(points.gap), points.gap, 0.0))
+    steps = np.linspace(-1.0, 1.0, 41)[:, None]
+    for size in (1.0, 0.05):  # the second time between the neighbours of the best one
+        shift = place + size * reach * steps
+        gap = material(shift) + (shift**2 + edge * np.abs(shift)) / (2 * points.relative_radius)
+        best = gap.argmin(axis=0)[None]
+        place = np.take_along_axis(shift, best, 0)
+    return np.asarray(gap.min(axis=0))
 
 
 def lead_points(pair: GearPair, modifications: PairModifications) -> np.ndarray:
@@ -283,5 +309,4 @@ def lead_gap(pair: GearPair, modifications: PairModifications, flank: str, face:
             if relief is not None:
                 part = np.maximum((outwards - b / 2) / relief.length + 1.0, 0.0)
                 total += relief.amount * part ** SHAPES[relief.shape]
-    axes, alpha = modifications.misalignment, pair.working_pressure_angle
-    return total + (axes.in_plane * math.sin(alpha) + sign * axes.out_of_plane * math.cos(alpha)) * face
+    return total + modifications.misalignment.opening(pair.working_pressure_angle, sign) * face

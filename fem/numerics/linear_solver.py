@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import scipy.sparse as sp
 
+from fem.numerics.memory import give_back
 from fem.storage.ledger import count
 
 if TYPE_CHECKING:
@@ -103,12 +104,14 @@ def _multifrontal(K: sp.csc_matrix, block: int) -> Factor:
     from fem.numerics.multifrontal import Cholesky, NotDefiniteError
 
     plan = plan_elimination(K, block)
+    give_back()
     try:
         cholesky_factor = Cholesky(plan, K)
     except NotDefiniteError as error:
         refused = _refuse(str(error))
         refused.unknown = error.unknown
         raise refused from error
+    give_back()
     _check_pivots(cholesky_factor.pivots, K)
     return Factor("multifrontal Cholesky with METIS ordering", K.shape[0], cholesky_factor.solve, plan)
 

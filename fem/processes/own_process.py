@@ -1,7 +1,7 @@
-"""One call in a separate process, for libraries that a damaged file of the user may crash.
+"""One call in a separate process, for libraries that a damaged file or a bad geometry of the user may crash.
 
-OpenCASCADE, gmsh and the HDF5 library end the process on some damaged files, and print to the terminal directly. A file
-of the user is therefore opened by a child, so that no session, run or notebook is lost. The child does the whole work
+OpenCASCADE, gmsh and the HDF5 library end the process on some of them, and print to the terminal directly. A child
+therefore opens files of the user and meshes, so that no session, run or notebook is lost. The child does the whole work
 and returns its result; its output goes to the log.
 
 It imports the libraries that it needs (1 s of processor time) and ends with its parent.
@@ -23,11 +23,12 @@ _log = logging.getLogger(__name__)
 _Arguments = TypeVarTuple("_Arguments")
 _Result = TypeVar("_Result")
 _MEMORY, _PER_BYTE = 4 << 30, 200  # a STEP file of 3 MB needs 0.55 GB and 20 times its size
+READER = "{}: the library that reads it"
 DAMAGED = "it is damaged, or its format does not fit its ending. Export it again"
 
 
-def opened_in_own_process(
-    file: Path,
+def call_in_own_process(
+    task: str,
     error: type[Exception],
     remedy: str,
     call: Callable[[*_Arguments], _Result],
@@ -37,7 +38,7 @@ def opened_in_own_process(
 
     Parameters
     ----------
-    file : file opened by the call, for the message
+    task : what crashed, for the message
     error : type raised if the child ends without an answer
     remedy : end of its message
     call, *arguments : the work; they and the result must be picklable
@@ -52,7 +53,7 @@ def opened_in_own_process(
                 return child.submit(call, *arguments).result()
         except ProcessEnded as ended:
             how = f"{ended}, perhaps for lack of memory" if str(ended) == "SIGKILL" else ended
-            raise error(f"{file.name}: the library that reads it crashed ({how}); {remedy}") from ended
+            raise error(f"{task} crashed ({how}); {remedy}") from ended
         finally:
             said.seek(0)
             for line in said.read().decode("utf-8", "replace").splitlines():

@@ -14,20 +14,21 @@ from mbd.system.system import System
 
 
 def frequency_response(
-    system: System, force: str, frequencies: np.ndarray, state: State | None = None, speed: float = 0.0
+    system: System, force: str, frequencies: np.ndarray, state: State | None = None, speed: float = 0.0, row: int = 0
 ) -> np.ndarray:
-    """Complex amplitude (channel, frequency) of every channel per newton on the first row of an element.
+    """Complex amplitude (channel, frequency) of every channel per newton, or newton metre, on a row of an element.
 
     Parameters
     ----------
     system : the machine in its casing
-    force : name of the outside force
+    force : name of the element: an outside force, or the flank of a mesh
     frequencies : (frequency,) Hz
     state : where the machine is; None for the loaded equilibrium
     speed : of the motors for the equilibrium, rad/s
+    row : number of the row of the element
     """
     small = tangent(system, equilibrium(system, speed) if state is None else state)
-    rows, channels, at = system.rows, system.channels, system.at(force).start
+    rows, channels, at = system.rows, system.channels, system.at(force).start + row
     found = np.zeros((len(channels.names), len(frequencies)), dtype=complex)
     for i, omega in enumerate(2 * np.pi * np.asarray(frequencies)):
         q = np.linalg.solve(small.stiffness + 1j * omega * small.damping - omega**2 * system.mass, rows[at])

@@ -117,7 +117,10 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         yield from map(str, written)
         for files in exports:
             if files[0].suffix.lower() in FREE_BODIES:
-                yield f'\nto import {files[0].name} with casing.ground = "fixed":'
+                yield (
+                    f'\nto import {files[0].name} with casing.ground = "fixed" and casing.band_Hz of at most '
+                    f"{casing.band:g}:"
+                )
                 yield housing_table(free_body(casing), files)
 
 
@@ -247,7 +250,7 @@ def band_words(limits: FrequencyLimits, factor: float, relative: np.ndarray) -> 
     how = f"three element sizes, common order {limits.order:.2f}" if by_sizes else "cubic and quadratic elements"
     lacking = (
         "\n-: no band. Modes that move mainly on the mount springs have none, because the springs determine most of "
-        "their frequency; the highest modes are not extrapolated."
+        "their frequency. The highest modes are not extrapolated: raise casing.band_Hz for their bands."
     )
     return (
         f"Hz: with the stiffness multiplied by {factor:.4f}, a factor extrapolated to zero element size from {how}.\n"

@@ -1,4 +1,4 @@
-"""`gearcase design`: flank modifications with the least transmission error, pressure, root stress and load factor."""
+"""`gearcase design`: flank modifications with the least transmission error, levels at sensors and stress."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from pipelines.cli.command_line import scene_and_work, work_arguments
 from pipelines.io.argument_types import count, from_zero, path, positive
 
 HELP = """\
-Search for the best flank modifications of a stage: tip reliefs of both gears, or what --vary gives. Print the best
-candidates, with values rounded to the steps of --vary, and the settings of the best design for each objective. A
-repeated search continues where it ended. Takes seconds for nominal pairs, and minutes with --samples."""
+Search for the best flank modifications of a stage: tip reliefs of both gears, or what --vary gives, also the numbers of
+teeth and other values of the stage. Print the best candidates, with values rounded to the steps of --vary, and the
+settings of the best design for each objective. A repeated search continues where it ended. Takes seconds for nominal
+pairs, and minutes with --samples."""
 EXAMPLE = """\
 gearcase design bench --vary both.tip_relief.amount_um=0:30:2 --vary both.tip_relief.length_mm=0.5:4:0.5
 ...
@@ -34,16 +35,19 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--vary",
         metavar="KEY=VALUES",
         action="append",
-        help="modification to vary, as GEAR.KEY=LOW:HIGH[:STEP] or GEAR.KEY=A,B,C with GEAR pinion, wheel or both; "
-        "default steps 1 um and 0.1 mm; repeatable (default: tip reliefs of both gears, amounts up to the deflection)",
+        help="modification to vary, as GEAR.KEY=LOW:HIGH[:STEP] or GEAR.KEY=A,B,C with GEAR pinion, wheel or both; or "
+        "a value of the stage at the same centre distance, as face_width_mm=18:24:2 (also teeth, module, angles, "
+        "profile shifts); default steps 1 um and 0.1 mm; repeatable (default: tip reliefs of both gears, amounts up to "
+        "the deflection)",
     )
     sub.add_argument(
         "--minimize",
         metavar="NAME",
         nargs="+",
         help="te (peak-to-peak transmission error, mean over the torques), te-max (the largest), te1 to te8 "
-        "(amplitude of a mesh order), pressure, root-stress, load-factor; with a statistic over the samples as in "
-        "te:q90 (default te)",
+        "(amplitude of a mesh order), pressure, root-stress, load-factor, level (rms acceleration of the sensors at "
+        "the mesh orders), level-SENSOR, ratio-error (%% of the ratio of the scene); with a statistic over the samples "
+        "as in te:q90 (default te)",
     )
     sub.add_argument(
         "--limit",
@@ -64,8 +68,9 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--samples",
         metavar="N",
         type=count,
-        help="number of pairs with random profile and helix deviations of ISO 1328-1, in the class of the scene "
-        "(default: the nominal pair only)",
+        help="number of pairs with random profile and helix deviations of ISO 1328-1, in the class of the scene, also "
+        "if deviations.enabled is false; for the effect of a misalignment alone, --set deviations.include=[] leaves "
+        "them out (default: the nominal pair only)",
     )
     sub.add_argument(
         "--misalignment",

@@ -47,7 +47,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         type=tilt,
         default=0.0,
         help="misalignment of the flanks over the face width: a number in um (positive: closer at the +y end), "
-        "balanced (the load is centred on the face) or machine (as in the loaded machine) (default 0)",
+        "balanced (the load is centred on the face) or machine (as in the loaded machine; without --torque). The "
+        "misalignment of the scene is added (default 0)",
     )
     sub.add_argument(
         "--out",
@@ -182,18 +183,16 @@ def _write_maps(
 
 def _notes(cases: Sequence[tuple[PairLaws, MeshState]]) -> list[str]:
     """What the table was made with, and how the columns are meant."""
+    from pipelines.runs.gear_curves import tilt_words
+
     lines = []
     for stage in dict.fromkeys(pair.stage for pair, _ in cases):
         own = [(pair, state) for pair, state in cases if pair.stage == stage]
-        pair, gears, width = own[0][0], own[0][0].pair, own[0][0].pair.face_width
-        tilts = dict.fromkeys(
-            "force at mid face" if s.tilt is None else f"tilt {1e6 * pair.sense * s.tilt * width:.3g} um"
-            for _, s in own
-        )
+        pair, gears = own[0][0], own[0][0].pair
         lines.append(
             f"stage {stage}: model {pair.drive.model}, contact ratio {gears.transverse_contact_ratio:.4g}, "
             f"overlap ratio {gears.overlap_ratio:.4g}, bores {2000 * gears.pinion.bore_radius:g}/"
-            f"{2000 * gears.wheel.bore_radius:g} mm, {', '.join(tilts)} over the face"
+            f"{2000 * gears.wheel.bore_radius:g} mm, {tilt_words(*own[0])}"
         )
     lines.append(
         "Range of the values: from the first to the last contact of one tooth pair; if a tooth is damaged, of the pair "

@@ -58,7 +58,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--stress",
         action="store_true",
         help="show the von Mises stress of the loaded teeth instead, by the model `solid` (PNG), and print the largest "
-        "root stress of each gear, at the position of --position only",
+        "root stress of each gear at this position of the mesh cycle (--position)",
     )
     sub.add_argument(
         "--mesh",

@@ -35,7 +35,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--one-load",
         action="store_true",
-        help="simulate the load as in the scene only (default: a suspended load also as a constant torque)",
+        help="simulate the load of the scene only (default: also a constant torque in place of a suspended load)",
     )
     sub.add_argument(
         "--seeds",

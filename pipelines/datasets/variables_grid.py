@@ -75,7 +75,7 @@ def distribution(variable: Mapping[str, Any]) -> str:
     if "distribution" in variable:
         given = ", ".join(f"{name} {value:g}" for name, value in variable["parameters"].items())
         limits = [f"{word} {limit:g}" for word, limit in (("from", low), ("to", high)) if limit is not None]
-        cut = f", cut off {' '.join(limits)}" if limits else ""
+        cut = f", only {' '.join(limits)}" if limits else ""
         return f"{variable['distribution']} of scipy.stats ({given}){cut}"
     if "values" in variable:
         return _list_words(variable["values"], variable["weights"])

@@ -121,8 +121,9 @@ def _ranking(ranking: Sequence[tuple[str, float, str, str]], note: str) -> list[
 
 
 def _ranked(finding: Finding, first: bool) -> tuple[str, float, str, str]:
-    """A row of the ranking. Only the first has its tooth: the impact is elsewhere in the averages of other gears."""
-    remarks = [f"the impact begins at tooth {finding.tooth}"] if first and finding.tooth is not None else []
+    """A row of the ranking. Only a damaged first gear has its tooth: the impact is elsewhere in the other averages."""
+    shown = first and finding.damaged and finding.tooth is not None
+    remarks = [f"the impact begins at tooth {finding.tooth}"] if shown else []
     remarks += [f"same orders as {', '.join(finding.alike)}"] if finding.alike else []
     return finding.component, finding.evidence.increase, verdict_words.strength(finding.evidence), "; ".join(remarks)
 

@@ -14,13 +14,13 @@ from pipelines.report.figure_svg import svg
 
 WIDEST = 10  # columns of a table that a sheet of paper holds
 
-_COMMAND = re.compile(r"gearcase [a-z]+ --[a-z-]+ \d+")
+_COMMAND = re.compile(r"`(.+?)`|(gearcase [a-z]+ --[a-z-]+ \d+)")
 SYMBOL = re.compile(r"(?<![A-Za-z])([A-Za-z])_([a-z])(?![A-Za-z0-9_])")
 
 
 def typeset(text: str) -> str:
-    """Text for the page, symbols such as f_r with their subscript, commands without a line break."""
-    return _COMMAND.sub(r"<code>\g<0></code>", SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", html.escape(text)))
+    """Text for the page, symbols such as f_r with their subscript, commands and `code` without a line break."""
+    return _COMMAND.sub(r"<code>\1\2</code>", SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", html.escape(text)))
 
 
 def asset(name: str) -> str:

@@ -37,9 +37,9 @@ CASING = (
 ENERGY = (
     "Energies over the whole simulation, in joule. Stored: change of the stored energy. Parametric: work of "
     "springs whose stiffness changes in time. Residual: received plus parametric minus dissipated minus stored; 0 "
-    "except for numerical errors. Shafts and casing have further residuals whose sum is 0: modes of the whole machine "
-    "above simulation.band_Hz follow statically, and the forces of this constraint do work between the parts. A larger "
-    "band_Hz reduces it. Scale: energy with which the residual is compared. For a part this is the dissipated "
+    "except for numerical errors. The residuals of shafts and casing also contain work that they exchange, because "
+    "modes of the machine above simulation.band_Hz are assumed to follow statically; these parts add up to 0, and a "
+    "larger band_Hz reduces them. Scale: energy with which the residual is compared. For a part this is the dissipated "
     "energy, or the largest stored energy if the part has almost no damping; for the total, the work of all sources, "
     'each counted as positive. The row "drive" is the motor couplings; the work of the motors and the rotation of the '
     "shafts are in the total only."

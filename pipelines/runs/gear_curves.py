@@ -248,14 +248,23 @@ def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[st
                 "secant N/um": float(one.secant.mean()) / 1e6,
                 "tangent N/um": float(one.tangent.mean()) / 1e6,
                 "least N/um": float(one.secant[softest]) / 1e6,
-                "at": f"{float(one.position[softest]):+.2f}",
+                "at": float(one.position[softest]),
                 "TE um": float(one.transmission_error.mean()) * 1e6,
                 "TE p-p um": float(one.peak_to_peak) * 1e6,
-                "share %": 100 * float(own.share.max()),
+                "share %": 100 * min(float(own.share.max()), 1.0),
                 "pressure MPa": float(one.greatest_pressure) / 1e6,
             }
         )
     return rows
+
+
+def tilt_words(found: PairLaws, state: MeshState) -> str:
+    """The tilt of a pair, "tilt 5 um over the face", and the misalignment of its scene with the same sign."""
+    scale, given = 1e6 * found.sense * found.pair.face_width, found.flanks.modifications.misalignment
+    words = "load centred on the face" if state.tilt is None else f"tilt {scale * state.tilt:.3g} um over the face"
+    if opening := given.opening(found.pair.working_pressure_angle):
+        words += f", misalignment {-scale * opening:.3g} um (positive: closer at +y)"
+    return words
 
 
 def transmission_errors(found: PairLaws, state: MeshState) -> TransmissionErrors:
@@ -269,7 +278,8 @@ def transmission_errors(found: PairLaws, state: MeshState) -> TransmissionErrors
     passages = {one.name: error(one.cycle + place, faulty=True) for one in found.passages}
     return TransmissionErrors(
         stage=found.stage,
-        title=f"stage {found.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth, model {found.drive.model}",
+        title=f"stage {found.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth, model {found.drive.model}\n"
+        f"{tilt_words(found, state)}",
         torque=state.force * pair.pinion.base_radius,
         cycle=cycle,
         unmodified=error(cycle, modified=False) if found.modified else None,

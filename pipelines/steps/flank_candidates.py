@@ -5,8 +5,9 @@ Modifications do not change the compliances, so each candidate is a few static c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from fem.gears.flank_deviations import sample_flank_deviations
 from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications
+
+if TYPE_CHECKING:
+    from pipelines.steps.mesh_response import SensorResponse
 
 LOADED: Mapping[str, Callable[[MeshCycle, Sequence[RootStress]], float]] = {  # at the greatest force
     "pressure": lambda cycle, _: cycle.pressure().max(),
@@ -37,7 +41,7 @@ class Conditions:
     forces : (load,) N along the line of action, ascending
     positions : in a mesh cycle
     samples : seeds of the deviations; the nominal pair is evaluated as well
-    grade : ISO 1328-1 tolerance class of the samples
+    grade : ISO 1328-1 tolerance class of the samples; None: misalignment only
     misalignment : half width (m over the face) of their uniform distribution of misalignments
     loaded : names in `LOADED` that are computed, too
     """
@@ -46,7 +50,7 @@ class Conditions:
     forces: tuple[float, ...]
     positions: int = 32
     samples: tuple[int, ...] = ()
-    grade: int = 5
+    grade: int | None = 5
     misalignment: float = 0.0
     loaded: tuple[str, ...] = ()
 
@@ -55,7 +59,7 @@ class Conditions:
         yield 0.0, (None, None)
         for seed in self.samples:
             tilt = self.misalignment * np.random.default_rng([seed, 6336]).uniform(-1.0, 1.0) / self.pair.face_width
-            yield tilt, _mean_teeth(self.pair, self.grade, seed)
+            yield tilt, (None, None) if self.grade is None else _mean_teeth(self.pair, self.grade, seed)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -66,6 +70,24 @@ class CandidateResults:
     peak_to_peak: np.ndarray  # (candidate, sample, load), m
     orders: np.ndarray  # (candidate, sample, load, order), m
     loaded: dict[str, np.ndarray]  # (candidate, sample) by name, at the greatest force
+    levels: np.ndarray  # (candidate, sample, load, sensor), m/s2 rms
+    sensors: tuple[str, ...]
+
+    @classmethod
+    def joined(cls, parts: Sequence[CandidateResults], order: np.ndarray) -> CandidateResults:
+        """The candidates of several results, in another order."""
+
+        def each(arrays: Iterable[np.ndarray]) -> np.ndarray:
+            return np.concatenate(list(arrays))[order]
+
+        return cls(
+            error=each(one.error for one in parts),
+            peak_to_peak=each(one.peak_to_peak for one in parts),
+            orders=each(one.orders for one in parts),
+            loaded={name: each(one.loaded[name] for one in parts) for name in parts[0].loaded},
+            levels=each(one.levels for one in parts),
+            sensors=parts[0].sensors,
+        )
 
 
 def _mean_teeth(pair: GearPair, grade: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -87,6 +109,7 @@ def build(
     *,
     laws: tuple[MeshLaw, MeshLaw],
     roots: Sequence[RootStress] = (),
+    response: SensorResponse | None = None,
 ) -> CandidateResults:
     """Evaluate candidates.
 
@@ -94,12 +117,15 @@ def build(
     ----------
     conditions, candidates : loads and deviations, and the modifications of the pair
     laws, roots : of the pair without modifications; the stresses of its fillets by unit forces, for root stress
+    response : of the sensors to the mesh, for their levels; None: no sensors
     """
     shape = len(candidates), 1 + len(conditions.samples)
     error = np.full((len(candidates), len(conditions.forces), conditions.positions), np.nan)
     ranges = np.full((*shape, len(conditions.forces)), np.nan)
     orders = np.full((*ranges.shape, ORDERS), np.nan)
     loaded = {name: np.full(shape, np.nan) for name in conditions.loaded}
+    sensors = () if response is None else response.sensors
+    levels = np.full((*ranges.shape, len(sensors)), np.nan)
     pair, forces, states = conditions.pair, np.array(conditions.forces), list(conditions.states())
     for number, modifications in enumerate(candidates):
         try:
@@ -112,6 +138,10 @@ def build(
                 orders[number, sample] = order_amplitudes(cycle.error)
                 for name, values in loaded.items():
                     values[number, sample] = LOADED[name](cycle, roots)
+                if response is not None:
+                    levels[number, sample] = [response.levels(cycle, load) for load in range(len(forces))]
         except (GeometryError, LawError):  # reliefs that overlap, or a force that is not reached
             ranges[number] = orders[number] = np.nan
-    return CandidateResults(error=error, peak_to_peak=ranges, orders=orders, loaded=loaded)
+    return CandidateResults(
+        error=error, peak_to_peak=ranges, orders=orders, loaded=loaded, levels=levels, sensors=sensors
+    )

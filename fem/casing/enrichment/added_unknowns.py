@@ -16,6 +16,7 @@ from fem.casing.mesh.mesh import CasingMesh
 from fem.elements.cubic import CubicFunctions, cubic_functions
 from fem.elements.materials import Material
 from fem.elements.solids import assemble
+from fem.numerics.memory import give_back
 
 KINDS_APART = 100  # offset between the numbers of cubic and of edge functions, which may have the same position
 
@@ -50,6 +51,8 @@ class AddedUnknowns:
         elements : numbers of the elements that contribute; all by default
         """
         mesh, material = self.edges.mesh, self.edges.material
+        below = self.edges.matrices(None if elements is None else elements.tolist())
+        give_back()
         K, M = assemble(
             mesh.nodes,
             mesh.elements,
@@ -59,10 +62,10 @@ class AddedUnknowns:
             cubic=self.cubic,
             chosen=elements,
         )
-        if not len(self.edges):
-            return K, M
-        below = self.edges.matrices(None if elements is None else elements.tolist())
-        return _bordered(K, below[0]), _bordered(M, below[1])
+        if len(self.edges):
+            K = _bordered(K, below[0])  # one after the other: the first is freed
+            M = _bordered(M, below[1])
+        return K, M
 
 
 def added_functions(

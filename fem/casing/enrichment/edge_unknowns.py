@@ -75,7 +75,7 @@ class EdgeFunctions:
         same: dict[bytes, list[int]] = defaultdict(list)
         for element, own in chosen.items():
             same[_shape_key(self.mesh.nodes[self.mesh.elements[element]], own)].append(element)
-        alike = list(same.values())
+        alike = sorted(same.values(), key=lambda members: self._graded_sides(members[0]).tobytes())
         before = 3 * len(self.mesh.nodes) + (0 if self.cubic is None else len(self.cubic))
         rows: list[np.ndarray] = []
         columns: list[np.ndarray] = []
@@ -110,16 +110,21 @@ class EdgeFunctions:
         return np.hstack([at, self.cubic.unknowns(one)[0]]), np.append(np.ones(at.shape[1]), self.cubic.signs(one)[0])
 
     def _several(self, alike: list[list[int]]) -> list[tuple[np.ndarray, ...]]:
-        """Results of `added_entries` for the first element of every group."""
+        """Results of `added_entries` for the first element of every group; tables are kept for equal graded sides."""
         tables: dict[tuple[int, bytes], np.ndarray] = {}
         return [self._entries(members[0], tables) for members in alike]
 
-    def _entries(self, element: int, known: dict[tuple[int, bytes], np.ndarray]) -> tuple[np.ndarray, ...]:
-        own = self.parts[element]
+    def _graded_sides(self, element: int) -> np.ndarray:
+        """Bool (3, 2): the low and high sides of an element along its axes that have functions."""
         ends = np.zeros((3, 2), bool)
-        for part in own:
+        for part in self.parts[element]:
             ends[part.sector.axis(0, 0)] = ends[part.sector.axis(1, 0)] = True
-        kind = self.mesh.element.name
+        return ends
+
+    def _entries(self, element: int, known: dict[tuple[int, bytes], np.ndarray]) -> tuple[np.ndarray, ...]:
+        own, kind, ends = self.parts[element], self.mesh.element.name, self._graded_sides(element)
+        if not all(key[1].startswith(ends.tobytes()) for key in known):
+            known.clear()
         points, weights, values, slopes = _rule(kind, ends.tobytes())
         tables, lines, owners = [], [], []
         for number, part in enumerate(own):
@@ -226,7 +231,7 @@ def _shape_key(nodes: np.ndarray, own: list[_Part]) -> bytes:
     return b"".join(one.tobytes() for one in found)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=2)
 def _rule(kind: str, ends: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Points (3, i, j, k), weights (q,), functions (a, q), slopes (a, 3, q) of an element graded to given sides."""
     lines = []
@@ -239,7 +244,7 @@ def _rule(kind: str, ends: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
     return points, weights, np.ascontiguousarray(values.T), np.ascontiguousarray(slopes.transpose(1, 2, 0))
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=16)
 def _along(kind: str, ends: bytes, origin: bytes, axes: bytes) -> np.ndarray:
     """The functions along the edge of a sector and their derivatives (3, 2, q) at the points of `_rule`."""
     points = _rule(kind, ends)[0].reshape(3, -1)

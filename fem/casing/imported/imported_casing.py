@@ -184,7 +184,9 @@ def _clamped_feet(
         for axis in range(3)
     ]
     sums = foot_sums(unknowns, len(body.node))
-    return clamped_reactions(sums, body.stiffness, MX, reduced.expansion, interface.constraint, interface.inverse)
+    displaced = interface.inverse(reduced.expansion.T @ MX)
+    forces = sums @ body.stiffness @ reduced.expansion
+    return clamped_reactions(forces, sums @ MX, interface.constraint, displaced)
 
 
 def _check_up(reduced: ReducedImportedBody, check: MatrixCheck) -> CheckUp:

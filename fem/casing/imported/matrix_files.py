@@ -31,7 +31,7 @@ from fem.casing.imported.ansys import harwell_boeing, mapped_equations
 from fem.casing.imported.imported_body import ImportedBody, MatrixError, imported_body
 from fem.casing.imported.nastran import SUFFIXES as NASTRAN
 from fem.casing.imported.nastran import grid_points, output4, punched, superelement_equations
-from fem.processes.own_process import DAMAGED, opened_in_own_process
+from fem.processes.own_process import DAMAGED, READER, call_in_own_process
 from fem.storage.hdf5_file import blocks_missing
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def read_matrices(path: Path) -> Found:
     if path.suffix.lower() not in _READERS:
         raise MatrixError(f"{path.name}: matrices are read from {', '.join(SUFFIXES)}; convert it")
     if path.suffix.lower() in _COMPILED:
-        return opened_in_own_process(path, MatrixError, DAMAGED, _read, path)
+        return call_in_own_process(READER.format(path.name), MatrixError, DAMAGED, _read, path)
     return _read(path)
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from fem.casing.geometry.housing import Housing
 from fem.casing.mesh.extruded import mesh_extruded
 from fem.casing.mesh.imported_housing import ImportedHousing, mesh_from_file
-from fem.casing.mesh.mesh import CasingMesh
+from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.casing.mesh.sizes import Sizes
 from fem.elements.solid_elements import SOLIDS
+from fem.processes.own_process import call_in_own_process
 
 Geometry = Housing | ImportedHousing
+_CRASHED = "set another casing.element_size_mm (with --set it overrides a --preset), or make the walls thicker"
 
 
 def mesh_geometry(geometry: Geometry, sizes: Sizes, element: str = "tetrahedron-10") -> CasingMesh:
@@ -27,4 +29,4 @@ def mesh_geometry(geometry: Geometry, sizes: Sizes, element: str = "tetrahedron-
 
     if isinstance(geometry, ImportedHousing):
         return gmsh_mesh.mesh_step(geometry, sizes, element)
-    return gmsh_mesh.mesh_housing(geometry, sizes=sizes, element=element)
+    return call_in_own_process("the mesher", MeshError, _CRASHED, gmsh_mesh.mesh_housing, geometry, sizes, element)

@@ -24,7 +24,7 @@ from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.casing.mesh.quality import GOOD_QUALITY, QUALITY_LIMIT, straightened
 from fem.casing.mesh.sizes import MM, Refinement, Sizes, follow_fillets, set_sizes
 from fem.casing.mesh.surface import Surface
-from fem.processes.own_process import DAMAGED, opened_in_own_process
+from fem.processes.own_process import DAMAGED, READER, call_in_own_process
 
 _CRASHED = "if `gearcase housing` can read it, try another element size; otherwise export it again"
 _ROUND, _LONG = 25, 2  # points of the grid around a cylinder and along it
@@ -35,19 +35,19 @@ _TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # gmsh swaps the mid-side nodes 23 and
 
 def mesh_housing(
     housing: Housing,
-    *,
-    element_size: float = 0.022,
     sizes: Sizes | None = None,
     element: str = "tetrahedron-10",
+    *,
+    element_size: float = 0.022,
 ) -> CasingMesh:
     """Mesh a housing with tetrahedra.
 
     Parameters
     ----------
     housing : Housing
-    element_size : m, target edge length; bores get at least twelve elements around
     sizes : instead of `element_size`, with finer bores and feet
     element : "tetrahedron-10" or "tetrahedron-4"
+    element_size : m, target edge length; bores get at least twelve elements around
 
     Raises
     ------
@@ -122,7 +122,7 @@ def mesh_step(housing: ImportedHousing, sizes: Sizes, element: str) -> CasingMes
     MeshError : see `cad_file` and `imported`; an element below a quality limit (with its position), or a crash of the
         mesher
     """
-    raw, small = opened_in_own_process(housing.file, MeshError, _CRASHED, _mesh_solid, housing, sizes)
+    raw, small = call_in_own_process(READER.format(housing.file.name), MeshError, _CRASHED, _mesh_solid, housing, sizes)
     remedy = sizes.smaller
     if small:
         extent, (x, y, z), _ = small[0]
@@ -153,7 +153,7 @@ def find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:
     ------
     MeshError : the file cannot be read, or has another unit
     """
-    return opened_in_own_process(housing.file, MeshError, DAMAGED, _find_seats, housing)
+    return call_in_own_process(READER.format(housing.file.name), MeshError, DAMAGED, _find_seats, housing)
 
 
 def _find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:

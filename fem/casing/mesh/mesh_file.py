@@ -25,7 +25,7 @@ from fem.casing.mesh.finished_mesh import RawMesh
 from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.elements.division import cut_quadrilaterals, described, divided, ordered
 from fem.elements.solid_elements import SOLIDS, ElementError, solid_element
-from fem.processes.own_process import DAMAGED, bounded_memory, opened_in_own_process
+from fem.processes.own_process import DAMAGED, READER, bounded_memory, call_in_own_process
 
 _log = logging.getLogger(__name__)
 SUFFIXES = (".msh", ".inp", ".bdf", ".nas", ".vtu", ".vtk", ".unv", ".med", ".mesh", ".xdmf", ".cgns", ".e")
@@ -117,7 +117,7 @@ def read_quietly(path: Path) -> Any:
     MeshError : unreadable
     """
     if path.suffix.lower() in _COMPILED:
-        return opened_in_own_process(path, MeshError, DAMAGED, _read, path)
+        return call_in_own_process(READER.format(path.name), MeshError, DAMAGED, _read, path)
     return _read(path)
 
 

@@ -15,7 +15,7 @@ from fem.options import option
 if TYPE_CHECKING:
     from fem.casing.mesh.sizes import Sizes
     from fem.casing.reduced.casing_modes import CasingModes
-    from fem.casing.reduced.grounded import GroundedCasing
+    from fem.casing.reduced.grounded import AssembledCasing
     from fem.casing.reduced.reduction import Reduction
 
 
@@ -27,15 +27,13 @@ class CraigBamptonReduction(CasingReduction):
     static: ClassVar[bool] = False
     band: float
 
-    def reduced(self, casing: GroundedCasing) -> tuple[CasingModes, Reduction]:
+    def reduced(self, casing: AssembledCasing) -> tuple[CasingModes, Reduction]:
         """All modes below the limit, their number verified by a Sturm-sequence count."""
         from fem.casing.reduced.casing_modes import casing_modes
         from fem.casing.reduced.halves import reduced_and_counted
 
         limit = MODES_OVER_BAND * self.band
-        reduction, counted = reduced_and_counted(
-            casing.interface, lambda: (casing.K_free, casing.M_free), highest=limit, enrich=True
-        )
+        reduction, counted = reduced_and_counted(casing.subspaces, casing.loads, highest=limit)
         return casing_modes(casing, reduction, model="craig-bampton", band_limit=limit, counted=counted), reduction
 
 

@@ -61,8 +61,8 @@ class ElasticCasing(HousingCasing):
     error: str | None = option(
         None,
         pattern=r"^[0-9]+(\.[0-9]+)? ?%$",
-        text='target error of the frequencies, e.g. "0.2%": all element sizes are reduced until half of the modes '
-        "meet it, and the stiffness is extrapolated; without it: sizes as given",
+        text='target error of the frequencies, e.g. "0.2%": all element sizes are reduced so that half of the modes '
+        "should meet it, by one prediction, and the stiffness is extrapolated; without it: sizes as given",
     )
 
     def __post_init__(self) -> None:

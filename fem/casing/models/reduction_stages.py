@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fem.casing.parts.regions import Region
     from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.checkup import CheckUp
-    from fem.casing.reduced.grounded import AssembledCasing, ForcedPoint, GroundedCasing
+    from fem.casing.reduced.grounded import AssembledCasing, ForcedPoint
     from fem.casing.reduced.reduced_body import ReducedBody
     from fem.casing.reduced.reduction import Reduction
     from fem.casing.reduced.reduction_error import ErrorStatement
@@ -56,11 +56,11 @@ class CasingReduction(Stage):
     forced: tuple[ForcedPoint, ...]
     quadratic: bool = False
 
-    def assembled(self, mesh: CasingMesh) -> AssembledCasing:
-        """The meshed casing on its ground."""
+    def assembled(self, mesh: CasingMesh, *, divided: bool) -> AssembledCasing:
+        """The meshed casing on its ground; `divided` as in `assembled_casing`."""
         from fem.casing.reduced.grounded import assembled_casing
 
-        return assembled_casing(mesh, forced=self.forced, regions=self.regions, **vars(self.held))
+        return assembled_casing(mesh, forced=self.forced, regions=self.regions, divided=divided, **vars(self.held))
 
     def build(self, *, mesh: CasingMesh) -> tuple[CasingModes, CheckUp] | tuple[CasingModes, CheckUp, LowestModes]:
         """The reduced matrices with their check-up, and the quadratic modes where requested.
@@ -74,26 +74,23 @@ class CasingReduction(Stage):
 
         from fem.casing.reduced.checkup import check_up
         from fem.casing.uncertainty.extrapolation import quadratic_modes
-        from fem.numerics.side_by_side import side_by_side
 
         with threadpool_limits(1):  # the expensive steps run in two parallel halves
-            assembled = self.assembled(mesh)
-            casing = assembled.held()
+            casing = self.assembled(mesh, divided=True)
             modes, reduction = self.reduced(casing)
-            casing = replace(casing, interface=casing.interface.whole)
-            found, lower = side_by_side(
-                lambda: check_up(casing, reduction),
-                lambda: (quadratic_modes(assembled, reduction, static=self.static),) if self.quadratic else (),
-            )
-        if found.failures:
-            raise CasingError(
-                f"casing: the reduced body fails the checks {', '.join(found.failures)}. Use a finer "
-                f"casing.element_size_mm, or another casing model.\n{found.report(0)}"
-            )
-        return modes, found, *lower
+            found = check_up(casing, reduction)
+            if found.failures:
+                raise CasingError(
+                    f"casing: the reduced body fails the checks {', '.join(found.failures)}. Use a finer "
+                    f"casing.element_size_mm, or another casing model.\n{found.report(0)}"
+                )
+            if not self.quadratic:
+                return modes, found
+            cubic, casing = casing.cubic, casing.quadratic()  # the larger matrices are freed
+            return modes, found, quadratic_modes(casing, cubic, reduction, static=self.static)
 
     @abstractmethod
-    def reduced(self, casing: GroundedCasing) -> tuple[CasingModes, Reduction]:
+    def reduced(self, casing: AssembledCasing) -> tuple[CasingModes, Reduction]:
         """The stored part of a reduction, and the reduction."""
 
     def lowest(self, name: str, mesh: PlannedStage, *, quadratic: bool = False) -> PlannedStage:
@@ -118,7 +115,7 @@ class LowestReduction(Stage):
         from fem.casing.uncertainty.extrapolation import lowest_modes
 
         mesh = replace(mesh, cubic=0) if self.quadratic else mesh
-        return lowest_modes(assembled_casing(mesh, **vars(self.held)), static=self.static)
+        return lowest_modes(assembled_casing(mesh, divided=True, **vars(self.held)), static=self.static)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,7 +151,7 @@ class ErrorCheck(Stage):
         held, recovery = self.reduction.held, self.recovery
         iron = replace(held.material, elastic_modulus=body.stiffness_factor * held.material.elastic_modulus)
         return state_error(
-            replace(self.reduction, held=replace(held, material=iron)).assembled(mesh).held(),
+            replace(self.reduction, held=replace(held, material=iron)).assembled(mesh, divided=False),
             body,
             band=self.band,
             sensors=recovery.sensors,

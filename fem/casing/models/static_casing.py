@@ -11,7 +11,7 @@ from fem.casing.models.reduction_stages import CasingReduction
 
 if TYPE_CHECKING:
     from fem.casing.reduced.casing_modes import CasingModes
-    from fem.casing.reduced.grounded import GroundedCasing
+    from fem.casing.reduced.grounded import AssembledCasing
     from fem.casing.reduced.reduction import Reduction
 
 
@@ -21,12 +21,12 @@ class StaticReduction(CasingReduction):
 
     static: ClassVar[bool] = True
 
-    def reduced(self, casing: GroundedCasing) -> tuple[CasingModes, Reduction]:
+    def reduced(self, casing: AssembledCasing) -> tuple[CasingModes, Reduction]:
         """Constraint modes alone."""
         from fem.casing.reduced.casing_modes import casing_modes
-        from fem.casing.reduced.reduction import reduce_body
+        from fem.casing.reduced.halves import reduced_and_counted
 
-        reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=0, enrich=False)
+        reduction, _ = reduced_and_counted(casing.subspaces, casing.loads, highest=None)
         return casing_modes(casing, reduction, model="static", band_limit=0.0), reduction
 
 

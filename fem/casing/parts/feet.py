@@ -12,7 +12,7 @@ independent of the modes kept, so that the feet together always carry the whole 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import scipy.sparse as sp
@@ -33,12 +33,7 @@ def foot_sums(unknowns: Sequence[np.ndarray], size: int) -> sp.csr_matrix:
 
 
 def clamped_reactions(
-    sums: sp.csr_matrix,
-    K: sp.csr_matrix,
-    MX: np.ndarray,
-    expansion: sp.csr_matrix,
-    constraint: np.ndarray,
-    inverse: Callable[[np.ndarray], np.ndarray],
+    forces: sp.csr_matrix, inertia: np.ndarray, constraint: np.ndarray, displaced: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Force on the feet per displacement of the interface, and per acceleration of the ground.
 
@@ -47,10 +42,9 @@ def clamped_reactions(
 
     Parameters
     ----------
-    sums : W (3 feet, n)
-    K : sparse (n, n), N/m, of the free body
-    MX : (n, 3), kg, M X of the free body
-    expansion, constraint, inverse : E (n, q), Psi (q, b) and Y (q, k) -> P Y of the held body
+    forces : W K E (3 feet, q), N/m
+    inertia : W M X (3 feet, 3), kg, of the free body
+    constraint : Psi (q, b)
+    displaced : P E^T M X (q, 3), m, displacements of the held body
     """
-    WK = sums @ K @ expansion
-    return WK @ constraint, sums @ MX - WK @ inverse(expansion.T @ MX)
+    return forces @ constraint, inertia - forces @ displaced

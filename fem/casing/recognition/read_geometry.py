@@ -20,7 +20,7 @@ from fem.casing.recognition.housing_contents import FoundSolid, GeometryContents
 from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, solid_element
 from fem.numerics.connected_parts import connected_parts, shared_sides
-from fem.processes.own_process import DAMAGED, opened_in_own_process
+from fem.processes.own_process import DAMAGED, READER, call_in_own_process
 
 _log = logging.getLogger(__name__)
 _AROUND = 16  # elements of a full turn; with 12, short bores cannot be distinguished from cones
@@ -43,7 +43,7 @@ def geometry_contents(path: Path, unit: str | None = None) -> GeometryContents:
     if suffix in STL_SUFFIXES:
         return _of_triangles(path, unit or "mm")
     if suffix in CAD_SUFFIXES:
-        return opened_in_own_process(path, MeshError, DAMAGED, _of_solids, path, unit)
+        return call_in_own_process(READER.format(path.name), MeshError, DAMAGED, _of_solids, path, unit)
     return _of_mesh(path, unit or "mm")
 
 

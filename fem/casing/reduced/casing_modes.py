@@ -19,11 +19,10 @@ from fem.casing.parts.feet import clamped_reactions, foot_sums
 from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.damping import energy_shares, modal_damping
 from fem.casing.reduced.fewer_modes import ModeSet, fewest_modes, kept
-from fem.casing.reduced.grounded import GROUND_AXES, GroundedCasing
+from fem.casing.reduced.grounded import GROUND_AXES, AssembledCasing
 from fem.casing.reduced.reduced_body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.reduction import Reduction, ReductionError
 from fem.casing.reduced.undamped_modes import mode_names, on_springs, undamped_modes
-from fem.elements.solids import mass_properties
 from fem.storage.records import Record, array, integer, names, scalar, text
 
 Mounts = Sequence[Sequence[float]]  # stiffness in x, y, z (N/m): one row for all feet, or one per foot in their order
@@ -106,24 +105,23 @@ class CasingModes(Record):
 
 
 def casing_modes(
-    casing: GroundedCasing, reduction: Reduction, *, model: str, band_limit: float, counted: int = -1
+    casing: AssembledCasing, reduction: Reduction, *, model: str, band_limit: float, counted: int = -1
 ) -> CasingModes:
     """Collect the data of a reduction for later stages.
 
     Parameters
     ----------
-    casing, reduction : grounded full model and its reduction
+    casing, reduction : full model and its reduction
     model : name of the casing model
     band_limit : Hz, below which every fixed-interface mode was kept
     counted : fixed-interface modes below it (Sturm-sequence count); -1: not counted
     """
     mesh = casing.mesh
-    mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)
-    inertial = casing.M @ casing.rigid_motions(centre)
-    foot_stiffness, foot_inertia = _clamped_feet(casing, inertial[:, :3])
+    mass, centre, inertia = casing.mass_properties
+    foot_stiffness, foot_inertia = _clamped_feet(casing, reduction)
     return CasingModes(
         model=model,
-        solver=casing.interface.factor.name,
+        solver=reduction.solver,
         ground=casing.ground,
         attachment=casing.attachment,
         mass=reduction.mass,
@@ -133,7 +131,7 @@ def casing_modes(
         band_limit=band_limit,
         counted=counted,
         unknowns=casing.unknowns,
-        participation=reduction.projected(casing.expansion.T @ inertial),
+        participation=reduction.projected(casing.expansion.T @ casing.inertial),
         foot_stiffness=foot_stiffness,
         foot_inertia=foot_inertia,
         part_names=tuple(casing.parts),
@@ -150,23 +148,25 @@ def casing_modes(
     )
 
 
-def _of_parts(casing: GroundedCasing, reduction: Reduction) -> np.ndarray:
+def _of_parts(casing: AssembledCasing, reduction: Reduction) -> np.ndarray:
     """T^T K_p T (part, coordinate, coordinate)."""
     found = [reduction.projected(stiffness @ reduction.basis) for stiffness in casing.parts.values()]
     return np.array(found).reshape(len(found), *reduction.mass.shape)
 
 
-def _clamped_feet(casing: GroundedCasing, MX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _clamped_feet(casing: AssembledCasing, reduction: Reduction) -> tuple[np.ndarray, np.ndarray]:
     """Results of `clamped_reactions`; zeros for feet on springs."""
-    mesh, interface = casing.mesh, casing.interface
+    mesh, displaced = casing.mesh, reduction.loaded[:, -3:]
     feet = [np.unique(mesh.patch(name)) for name in mesh.patches("ground_")]
     if casing.ground == "springs":
         return np.zeros((3 * len(feet), len(casing.springs))), np.zeros((3 * len(feet), 3))
-    sums = foot_sums([3 * nodes + axis for nodes in feet for axis in range(3)], len(MX))
-    return clamped_reactions(sums, casing.K, MX, casing.expansion, interface.constraint, interface.inverse)
+    sums = foot_sums([3 * nodes + axis for nodes in feet for axis in range(3)], len(casing.inertial))
+    forces = sums[:, casing.clamped] @ casing.K_clamped @ casing.expansion
+    displaced = displaced - reduction.constraint @ (casing.rows @ displaced)
+    return clamped_reactions(forces, sums @ casing.inertial[:, :3], reduction.constraint, displaced)
 
 
-def _expanded(casing: GroundedCasing, reduction: Reduction) -> np.ndarray:
+def _expanded(casing: AssembledCasing, reduction: Reduction) -> np.ndarray:
     """T on all unknowns of the mesh in single precision, a few columns at a time."""
     out, place = np.empty((3 * len(casing.mesh.nodes), len(reduction.mass)), np.float32), 0
     for whole in (reduction.constraint, reduction.modes):

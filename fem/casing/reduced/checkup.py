@@ -20,14 +20,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as la
-import scipy.sparse as sp
 
-from fem.casing.reduced.grounded import GroundedCasing
-from fem.casing.reduced.reduction import Reduction, largest_entry
+from fem.casing.reduced.grounded import AssembledCasing
+from fem.casing.reduced.reduction import Reduction
 from fem.casing.reduced.undamped_modes import on_springs, undamped_modes
-from fem.elements.solids import mass_properties, rigid_body_modes
-from fem.numerics.side_by_side import side_by_side
-from fem.numerics.unknowns import unknowns_of
+from fem.elements.solids import rigid_body_modes
 from fem.storage.records import Record, array, names, scalar
 
 _VECTORS = 4  # random sign vectors, for checks of matrix blocks
@@ -61,7 +58,7 @@ _MEANING = {
     "reduced_stiffness_definite": "number of eigenvalues of the reduced stiffness that are not positive",
     "modal_mass_identity": "max |Phi^T M Phi x - x| of the modes, x of random signs",
     "interface_to_modes": "max |Phi^T K Psi x| of modes and constraint modes, relative, x of random signs",
-    "static_response": "interface response to loads of random signs, reduced against full model",
+    "static_response": "interface response to gravity along x, y, z, reduced against full model",
 }
 
 
@@ -120,52 +117,37 @@ class CheckUp(Record):
         return [*lines, f"    all {len(self.frequencies)} modes   {total}"]
 
 
-def check_up(casing: GroundedCasing, reduction: Reduction) -> CheckUp:
-    """Check a reduction against its full model."""
-    mesh = casing.mesh
-    mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)
-    R = casing.rigid_motions(centre)
-    MR = casing.M @ R
+def check_up(casing: AssembledCasing, reduction: Reduction) -> CheckUp:
+    """Check a reduction with the loads of `casing` against its full model."""
+    mass, centre, inertia = casing.mass_properties
+    R, MR = casing.rigid, casing.inertial
     held = on_springs(reduction.stiffness, casing.springs)
     frequencies, phi = undamped_modes(held, reduction.mass)
     force = casing.expansion.T @ MR
     effective = (phi.T @ reduction.projected(force)) ** 2
-    moving = np.ones(len(R))
-    moving[casing.clamped] = 0.0
-    rigid, reduced = side_by_side(
-        lambda: _rigid_items(casing, R, MR, mass, inertia), lambda: _reduced_items(casing, reduction, held)
-    )
     return CheckUp(
-        stiffness_asymmetry=_asymmetry(casing.K),
-        mass_asymmetry=_asymmetry(casing.M),
-        grounding=float(abs(casing.K @ R).max() / (largest_entry(casing.K) * abs(R).max())),
-        **rigid,
-        **reduced,
+        **casing.free_body,
+        **_rigid_items(casing, reduction, R, MR, mass, inertia),
+        **_reduced_items(casing, reduction, held, force[:, :3]),
         mass=mass,
         centre=centre,
         inertia=inertia,
         frequencies=frequencies,
         effective_mass=effective,
-        movable=np.einsum("im,im->m", moving[:, None] * R, casing.M @ (moving[:, None] * R)),
+        movable=casing.movable,
         limit_names=tuple(_LIMITS),
     )
 
 
-def _asymmetry(matrix: sp.csr_matrix) -> float:
-    """Asymmetry from one product with a random sign vector, in which differences do not cancel."""
-    signs = np.random.default_rng(0).choice([-1.0, 1.0], matrix.shape[0])
-    return float(abs(matrix @ signs - matrix.T @ signs).max(initial=0.0) / largest_entry(matrix))
-
-
 def _rigid_items(
-    casing: GroundedCasing, R: np.ndarray, MR: np.ndarray, mass: float, inertia: np.ndarray
+    casing: AssembledCasing, reduction: Reduction, R: np.ndarray, MR: np.ndarray, mass: float, inertia: np.ndarray
 ) -> dict[str, float]:
     """Rigid body items of the free body, and the reaction to gravity of the grounded one."""
     block = R.T @ MR
     gyration = math.sqrt(np.trace(inertia) / (2.0 * mass))
     first_moment = np.array([block[2, 4], block[0, 5], block[1, 3]])
     feet = _on_clamped_feet if casing.ground == "fixed" else _on_springs
-    motion, together, condensed, reaction = feet(casing, R, MR)
+    motion, together, condensed, reaction = feet(casing, reduction, R, MR)
     value = np.sort(abs(la.eigh(condensed, motion.T @ motion, eigvals_only=True)))
     return {
         "rigid_from_stiffness": float(abs(together - R).max() / abs(R).max()),
@@ -178,7 +160,7 @@ def _rigid_items(
 
 
 def _on_clamped_feet(
-    casing: GroundedCasing, R: np.ndarray, MR: np.ndarray
+    casing: AssembledCasing, reduction: Reduction, R: np.ndarray, MR: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Motions of single feet (n, 6 feet), of all feet as one body (n, 6), condensed stiffness, reaction to gravity.
 
@@ -186,48 +168,40 @@ def _on_clamped_feet(
 
     Each foot moves as a rigid patch, six columns per foot; the other unknowns follow by the stiffness, free of forces.
     """
-    mesh, solve, E, clamped = casing.mesh, casing.interface.factor.solve, casing.expansion, casing.clamped
-    feet, K_clamped = mesh.patches("ground_"), casing.K[clamped]
-    motion = np.zeros((len(R), 6 * len(feet)))
-    for index, name in enumerate(feet):
-        unknowns = unknowns_of(np.unique(mesh.patch(name)))
-        motion[unknowns, 6 * index : 6 * index + 6] = R[unknowns]
-    led = motion[clamped]
-    motion -= E @ solve(E.T @ (K_clamped.T @ led))
-    together = motion.reshape(len(R), len(feet), 6).sum(axis=1)
+    E, clamped, motion = casing.expansion, casing.clamped, casing.foot_motions
+    K_clamped, led = casing.K_clamped, motion[clamped]
+    motion -= E @ reduction.loaded[:, :-3]
+    together = motion.reshape(len(R), -1, 6).sum(axis=1)
     condensed = led.T @ (K_clamped @ motion)
-    gravity = K_clamped @ (E @ solve(E.T @ MR[:, :3]))
+    gravity = K_clamped @ (E @ reduction.loaded[:, -3:])
     return motion, together, 0.5 * (condensed + condensed.T), R[clamped, :3].T @ (gravity - MR[clamped, :3])
 
 
 def _on_springs(
-    casing: GroundedCasing, R: np.ndarray, MR: np.ndarray
+    casing: AssembledCasing, reduction: Reduction, R: np.ndarray, MR: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """As `_on_clamped_feet`, for feet on springs: the ground under the springs moves, three columns per foot."""
-    from fem.numerics.sparse_product import product
-
-    solve, E, at_feet = casing.interface.factor.solve, casing.expansion, np.flatnonzero(casing.springs)
-    rows, stiffness = casing.interface.rows[at_feet], casing.springs[at_feet]
-    motion = E @ solve(rows.T.toarray() * stiffness)
+    at_feet, motion = np.flatnonzero(casing.springs), reduction.loaded[:, :-3]
     feet = np.array([casing.mesh.point(name) for name in casing.mesh.patches("ground_")])
-    centre = mass_properties(casing.mesh.nodes, casing.mesh.elements, casing.material.density)[1]
-    ground = rigid_body_modes(feet, centre)
-    forces = stiffness[:, None] * (rows @ solve(E.T @ MR[:, :3]))
-    return motion, motion @ ground, motion.T @ product(casing.K, motion), -ground[:, :3].T @ forces
+    ground = rigid_body_modes(feet, casing.mass_properties[1])
+    forces = casing.springs[at_feet, None] * (casing.rows[at_feet] @ reduction.loaded[:, -3:])
+    condensed, motion = motion.T @ (casing.K_free @ motion), casing.expansion @ motion
+    return motion, motion @ ground, condensed, -ground[:, :3].T @ forces
 
 
-def _reduced_items(casing: GroundedCasing, reduction: Reduction, held: np.ndarray) -> dict[str, float]:
+def _reduced_items(
+    casing: AssembledCasing, reduction: Reduction, held: np.ndarray, gravity: np.ndarray
+) -> dict[str, float]:
     """Definiteness, block forms by products of full matrices with random vectors, static response of the interface."""
-    b, interface, E = reduction.constraint.shape[1], casing.interface, casing.expansion
+    b = reduction.constraint.shape[1]
     signs = np.random.default_rng(0).choice([-1.0, 1.0], (b + reduction.modes.shape[1], _VECTORS))
     omega = np.maximum(2 * math.pi * reduction.frequencies, 1.0)[:, None]
-    scale = np.sqrt(np.diag(interface.stiffness))[:, None]
+    scale = np.sqrt(np.diag(reduction.stiffness)[:b, None])
     at_interface = reduction.constraint @ (signs[:b] / scale)
-    between = reduction.modes.T @ (E.T @ (casing.K @ (E @ at_interface))) / omega
-    identity = reduction.modes.T @ (E.T @ (casing.M @ (E @ (reduction.modes @ signs[b:]))))
-    loads = scale * signs[:b]
-    exact = scale * (interface.rows @ interface.factor.solve(interface.rows.T @ loads))
-    found = scale * la.solve(held, np.eye(len(held), b) @ loads)[:b]
+    between = reduction.modes.T @ (casing.K_free @ at_interface) / omega
+    identity = reduction.modes.T @ (casing.M_free @ (reduction.modes @ signs[b:]))
+    exact = scale * (casing.rows @ reduction.loaded[:, -3:])
+    found = scale * la.solve(held, reduction.projected(gravity))[:b]
     static = abs(found - exact).max(initial=0.0) / abs(exact).max(initial=np.finfo(float).tiny)
     return {
         "reduced_mass_definite": float((_scaled_eigenvalues(reduction.mass) <= 0.0).sum()),

@@ -24,12 +24,11 @@ from fem.casing.parts.casing_choices import FEWEST_MOUNTS, JOINTS, Attachment, G
 from fem.casing.parts.regions import Region, elements_inside
 from fem.casing.parts.split_mesh import split_mesh
 from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
-from fem.casing.reduced.halves import Places, choice_of, interface_of
+from fem.casing.reduced.halves import Places, Subspace, projected, subspaces_of, together
 from fem.casing.reduced.reduced_body import BEARING_AXES
-from fem.casing.reduced.reduction import Interface
+from fem.casing.reduced.reduction import largest_entry
 from fem.elements.materials import Material
-from fem.elements.solids import rigid_body_modes
-from fem.numerics.linear_solver import Solver
+from fem.elements.solids import mass_properties, rigid_body_modes
 from fem.numerics.memory import give_back
 from fem.numerics.unknowns import unknowns_of
 
@@ -46,15 +45,19 @@ class ForcedPoint:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AssembledCasing:
-    """Free-body matrices, the unknowns q after clamping and rigid patches, u = E q, and the rows of the interface."""
+    """Matrices of the unknowns q after clamping and rigid patches, u = E q, and the rows of the interface."""
 
     mesh: CasingMesh
     material: Material
     ground: Ground
     attachment: Attachment
-    K: sp.csr_matrix  # (u, u), the free body with its joints: 3 node + axis, then added unknowns
-    M: sp.csr_matrix
-    expansion: sp.csr_matrix  # E (u, n)
+    subspaces: tuple[Subspace, ...]  # all motions q, or the two halves of a casing with a mirror plane
+    expansion: sp.csr_matrix  # E (u, n); u: 3 node + axis, then added unknowns
+    K_clamped: sp.csr_matrix  # (clamped, u), rows of the stiffness of the free body
+    rigid: np.ndarray  # R (u, 6), unit translations and rotations about the centre of gravity; 0 in added unknowns
+    inertial: np.ndarray  # M R (u, 6)
+    free_body: Mapping[str, float]  # items of `fem.casing.reduced.checkup.CheckUp` from the matrices of the free body
+    movable: np.ndarray  # (6,), mass and inertia outside clamped nodes, SI
     clamped: np.ndarray  # of the unknowns; empty on springs
     added: Places  # positions of all nodes and added unknowns
     coordinate_names: tuple[str, ...]  # of the interface, "ground_1:ux", ..., "bearing_1:ux", ...
@@ -69,84 +72,63 @@ class AssembledCasing:
 
     @property
     def K_free(self) -> sp.csr_matrix:
-        """Stiffness E^T K E (n, n) without the reference springs, computed at every call: it is as large as K."""
-        return _projected(self.K, self.expansion)
+        """Stiffness E^T K E (n, n) without the reference springs; only products with it if the casing is divided."""
+        return together([(one.motions, one.K) for one in self.subspaces])
 
     @property
     def M_free(self) -> sp.csr_matrix:
-        """Mass E^T M E (n, n), computed at every call."""
-        return _projected(self.M, self.expansion)
+        """Mass E^T M E (n, n), likewise."""
+        return together([(one.motions, one.M) for one in self.subspaces])
+
+    @property
+    def mass_properties(self) -> tuple[float, np.ndarray, np.ndarray]:
+        """Mass (kg), centre of gravity (3,) in m and inertia tensor (3, 3) about it in kg m2."""
+        return mass_properties(self.mesh.nodes, self.mesh.elements, self.material.density)
+
+    @property
+    def foot_motions(self) -> np.ndarray:
+        """The rigid motions of single feet (u, 6 feet), zero elsewhere."""
+        feet = self.mesh.patches("ground_")
+        motion = np.zeros((len(self.rigid), 6 * len(feet)))
+        for index, name in enumerate(feet):
+            unknowns = unknowns_of(np.unique(self.mesh.patch(name)))
+            motion[unknowns, 6 * index : 6 * index + 6] = self.rigid[unknowns]
+        return motion
+
+    @property
+    def loads(self) -> sp.csr_matrix:
+        """Forces (n, l) of unit motions of the ground, and last of unit gravity along x, y, z; for the check-up.
+
+        The ground moves six ways at every clamped foot, or three ways under every spring.
+        """
+        E = self.expansion
+        if self.ground == "fixed":
+            ground = E.T @ (self.K_clamped.T @ sp.csr_matrix(self.foot_motions[self.clamped]))
+        else:
+            ground = self.rows.T @ sp.diags_array(self.springs, format="csr")[:, self.springs > 0.0]
+        return sp.csr_matrix(sp.hstack([ground, E.T @ self.inertial[:, :3]]))
 
     def expanded(self, q: np.ndarray) -> np.ndarray:
         """Displacements (3 node, k) of the mesh."""
         return self.expansion[: 3 * len(self.mesh.nodes)] @ q
 
-    def rigid_motions(self, centre: np.ndarray) -> np.ndarray:
-        """Unit translations and rotations about a centre (u, 6); zero in added unknowns."""
-        out = np.zeros((self.K.shape[0], 6))
-        out[: 3 * len(self.mesh.nodes)] = rigid_body_modes(self.mesh.nodes, centre)
-        return out
-
     @property
-    def not_cubic(self) -> np.ndarray:
-        """Whether an unknown q (n,) is not a cubic displacement of an element."""
-        left = np.ones(self.unknowns, bool)
-        left[self.unknowns - len(self.added.numbers) :] = self.added.numbers >= KINDS_APART
-        return left
+    def cubic(self) -> np.ndarray:
+        """Whether an unknown q (n,) is a cubic displacement of an element."""
+        nodal = np.zeros(self.unknowns - len(self.added.numbers), bool)
+        return np.append(nodal, self.added.numbers < KINDS_APART)
 
     def quadratic(self) -> AssembledCasing:
         """The same casing without the cubic displacements of its elements, which are hierarchical."""
-        cubic, left = self.added.numbers < KINDS_APART, self.not_cubic
-        kept = np.ones(self.K.shape[0], bool)
-        kept[3 * len(self.mesh.nodes) :] = ~cubic
+        cubic = self.cubic
         return replace(
             self,
             mesh=replace(self.mesh, cubic=0),
-            K=sp.csr_matrix(self.K[kept][:, kept]),
-            M=sp.csr_matrix(self.M[kept][:, kept]),
-            expansion=sp.csr_matrix(self.expansion[kept][:, left]),
-            added=Places(self.added.nodes, self.added.functions[~cubic], self.added.numbers[~cubic]),
-            rows=sp.csr_matrix(self.rows[:, left]),
+            subspaces=tuple(one.without(cubic) for one in self.subspaces),
+            expansion=sp.csr_matrix(self.expansion[:, ~cubic]),
+            rows=sp.csr_matrix(self.rows[:, ~cubic]),
             parts={},
         )
-
-    def held(self, solver: Solver = "auto") -> GroundedCasing:
-        """The factorised casing with the constraint modes of its interface.
-
-        Parameters
-        ----------
-        solver : see `fem.numerics.linear_solver.factorize`
-
-        Raises
-        ------
-        SingularMatrixError : a part of the mesh is not connected
-        """
-        on_springs = self.ground == "springs"
-        interface = interface_of(
-            None if self.attachment == "rigid" else self.added,
-            self.K,
-            self.M,
-            self.rows,
-            expansion=self.expansion,
-            penalty=self.springs if on_springs else None,
-            solver=solver,
-        )
-        give_back()
-        return GroundedCasing(**vars(self), interface=interface)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class GroundedCasing(AssembledCasing):
-    """A factorised casing with held interface."""
-
-    interface: Interface
-
-    def on_springs(self, springs: np.ndarray) -> sp.csr_matrix:
-        """K of the unknowns q with springs (interface,) at the interface coordinates."""
-        K = self.K_free
-        if not springs.any():
-            return K
-        return sp.csr_matrix(K + self.rows.T @ sp.diags_array(springs) @ self.rows)
 
 
 def assembled_casing(
@@ -159,6 +141,7 @@ def assembled_casing(
     attachment: Attachment = "mean",
     regions: Sequence[Region] = (),
     joint: BoltedJoint | None = None,
+    divided: bool = False,
 ) -> AssembledCasing:
     """Assemble a casing, clamp or free the feet, and attach the points.
 
@@ -171,6 +154,7 @@ def assembled_casing(
     attachment : a point has the "mean" motion of its patch, or the patch is "rigid"
     regions : parts of the housing whose stiffness is stored separately
     joint : bolts between two halves; None: one body
+    divided : keep only the matrices of both halves if the casing has a mirror plane
 
     Raises
     ------
@@ -206,26 +190,53 @@ def assembled_casing(
     bolts = None if split is None or joint is None else extended(joint_stiffness(joint, split, material), K.shape[0])
     K = K if bolts is None else sp.csr_matrix(K + bolts)
     expansion, rows, names = _tied(mesh, points, forced, attachment, clamped_nodes, len(added))
-    parts = {name: _projected(part, expansion) for name, part in _parts(mesh, regions, added).items()}
+    parts = {name: projected(part, expansion) for name, part in _parts(mesh, regions, added).items()}
     if bolts is not None:
-        parts[JOINTS] = _projected(bolts, expansion)
+        parts[JOINTS] = projected(bolts, expansion)
     give_back()
     reference = material.elastic_modulus * mesh.element_size
+    springs = np.array([reference if name.startswith("ground_") else 0.0 for name in names])
+    places, clamped = Places(mesh.nodes, added.places, added.numbers), unknowns_of(clamped_nodes)
+    centre = mass_properties(mesh.nodes, mesh.elements, material.density)[1]
+    R = np.vstack([rigid_body_modes(mesh.nodes, centre), np.zeros((len(added), 6))])
+    moving = R.copy()
+    moving[clamped] = 0.0
     return AssembledCasing(
         mesh=mesh,
         material=material,
         ground=ground,
         attachment=attachment,
-        K=K,
-        M=M,
+        subspaces=subspaces_of(
+            places if divided and attachment == "mean" else None,
+            K,
+            M,
+            rows,
+            expansion=expansion,
+            penalty=springs if on_springs else None,
+        ),
         expansion=expansion,
-        clamped=unknowns_of(clamped_nodes),
-        added=Places(mesh.nodes, added.places, added.numbers),
+        K_clamped=K[clamped],
+        rigid=R,
+        inertial=M @ R,
+        free_body={
+            "stiffness_asymmetry": asymmetry(K),
+            "mass_asymmetry": asymmetry(M),
+            "grounding": float(abs(K @ R).max() / (largest_entry(K) * abs(R).max())),
+        },
+        movable=np.einsum("im,im->m", moving, M @ moving),
+        clamped=clamped,
+        added=places,
         coordinate_names=names,
         rows=rows,
-        springs=np.array([reference if name.startswith("ground_") else 0.0 for name in names]),
+        springs=springs,
         parts=parts,
     )
+
+
+def asymmetry(matrix: sp.csr_matrix) -> float:
+    """Asymmetry from one product with a random sign vector, in which differences do not cancel."""
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], matrix.shape[0])
+    return float(abs(matrix @ signs - matrix.T @ signs).max(initial=0.0) / largest_entry(matrix))
 
 
 def _tied(
@@ -295,10 +306,3 @@ def _rigid_patches(
     first = {name: len(free) + 6 * number for number, name in enumerate(points)}
     interface = [first[name] + AXES.index(axis) for name, axes in points.items() for axis in axes]
     return expansion, sp.csr_matrix(sp.eye_array(expansion.shape[1], format="csr")[np.array(interface, int)])
-
-
-def _projected(matrix: sp.csr_matrix, expansion: sp.csr_matrix) -> sp.csr_matrix:
-    """E^T A E; a selection of unknowns is sliced."""
-    if (chosen := choice_of(expansion)) is not None:
-        return sp.csr_matrix(matrix[chosen][:, chosen])
-    return sp.csr_matrix(expansion.T @ matrix @ expansion)

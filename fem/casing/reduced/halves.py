@@ -5,9 +5,9 @@ B S = R B. Motions with S u = u and with S u = -u are then uncoupled:
 
     u = Q_s q_s + Q_a q_a,   u_b = C_s v_s + C_a v_a,   K_h = Q_h^T K Q_h,   M_h = Q_h^T M Q_h,   B_h = C_h^T B Q_h
 
-Each half has half of the unknowns and about half of the modes; its factor has less than half of the entries, and both
-are computed in parallel. On the plane an unknown moves in only one half. In the other it is kept with a stiffness,
-without coupling and mass, so that every node has three unknowns.
+Each half has half of the unknowns and about half of the modes; its factor has less than half of the entries. The halves
+are computed one after the other, so that only one factor is in memory. On the plane an unknown moves in only one half.
+In the other it is kept with a stiffness, without coupling and mass, so that every node has three unknowns.
 
 Reference: Bossavit (1986), Comput. Methods Appl. Mech. Eng. 56(2), 167-215 (symmetry of boundary value problems).
 """
@@ -15,52 +15,50 @@ Reference: Bossavit (1986), Comput. Methods Appl. Mech. Eng. 56(2), 167-215 (sym
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TypeVar
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
+import scipy.sparse.linalg as spla
 from scipy.spatial import cKDTree
 
-from fem.casing.reduced.lanczos import block_lanczos
-from fem.casing.reduced.reduction import Interface, Reduction, held_interface, largest_entry
-from fem.casing.reduced.sturm_count import reduce_and_count
-from fem.numerics.linear_solver import Factor, Solver
+from fem.casing.reduced.lanczos import EigenError, block_lanczos
+from fem.casing.reduced.reduction import Reduction, held_interface, largest_entry, reduce_body
+from fem.casing.reduced.sturm_count import count_fixed_modes
+from fem.numerics.linear_solver import Solver, factorize
 from fem.numerics.memory import give_back
-from fem.numerics.side_by_side import side_by_side
 from fem.numerics.unknowns import unknowns_of
-
-Result = TypeVar("Result")
 
 _SAME = 1e-7  # of the size of the body: a node this close to the image of another is its image
 _ROUNDING = 1e-10  # relative tolerance of products that should be equal
-_NO_LOAD = 1e-13  # share of the load of a body below which the load of a half is round-off
 _SHARE = 0.6  # of the requested modes: first number computed in each half
 
 
 @dataclass(frozen=True, eq=False)
-class Half:
-    """One of the two halves, with its interface."""
+class Subspace:
+    """Motions of a body that are uncoupled from its others: all of them or those of one half, with their interface."""
 
     motions: sp.csr_matrix  # Q (n, n_h), orthonormal columns; 0 for unknowns at rest
+    numbers: np.ndarray  # (n_h,) of the unknowns q whose motions they are, on one side of the mirror plane
     coordinates: np.ndarray  # C (b, b_h), orthonormal
-    stiffness: Callable[[], sp.csr_matrix]  # K (n_h, n_h), computed at every call: it is half as large as the factor
+    K: sp.csr_matrix  # (n_h, n_h)
     M: sp.csr_matrix
-    interface: Interface
+    rows: sp.csr_matrix  # of the interface (b_h, n_h)
+    penalty: np.ndarray | None  # (b_h,)
 
-
-@dataclass(frozen=True, eq=False)
-class MirroredInterface(Interface):
-    """The interface of a body, factorised by halves."""
-
-    halves: tuple[Half, Half]
-
-    @property
-    def whole(self) -> Interface:
-        """The interface without the matrices of the halves."""
-        return Interface(self.factor, self.rows, self.constraint, self.stiffness)
+    def without(self, omitted: np.ndarray) -> Subspace:
+        """The motions with unknowns q (n,) at rest, which are left out."""
+        own = ~omitted[self.numbers]
+        return replace(
+            self,
+            motions=sp.csr_matrix(self.motions[~omitted][:, own]),
+            numbers=(np.cumsum(~omitted) - 1)[self.numbers[own]],
+            K=sp.csr_matrix(self.K[own][:, own]),
+            M=sp.csr_matrix(self.M[own][:, own]),
+            rows=sp.csr_matrix(self.rows[:, own]),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +96,7 @@ class Places:
     numbers: np.ndarray  # (m,)
 
 
-def interface_of(
+def subspaces_of(
     places: Places | None,
     K: sp.csr_matrix,
     M: sp.csr_matrix,
@@ -106,76 +104,94 @@ def interface_of(
     *,
     expansion: sp.csr_matrix,
     penalty: np.ndarray | None = None,
-    solver: Solver = "auto",
-) -> Interface:
-    """`held_interface` of E^T K E, by halves if the body has a mirror plane normal to an axis.
+) -> tuple[Subspace, ...]:
+    """The motions E q of a body; two halves if it has a mirror plane normal to an axis.
 
     Parameters
     ----------
     places : positions of the unknowns u; None: no search for a mirror plane
     K, M : sparse (u, u), stiffness and mass in SI
-    rows, penalty, solver : those of `held_interface`
+    rows, penalty : those of `fem.casing.reduced.reduction.held_interface`
     expansion : E (u, n), a selection of unknowns if `places` are given
-
-    Raises
-    ------
-    as `held_interface`
     """
-    chosen = choice_of(expansion)
-    if chosen is None:
-        return held_interface(sp.csr_matrix(expansion.T @ K @ expansion), rows, penalty=penalty, solver=solver)
-    for axis in range(3):
-        reflection = None if places is None else _reflection(places, axis, K, chosen)
+    for axis in range(3) if places is not None else ():
+        assert places is not None
+        reflection = _reflection(places, axis, K, expansion.tocsc().indices)
         if reflection is None or not all(_unchanged(matrix, reflection, expansion) for matrix in (K, M)):
             continue
         turned = _of_interface(rows, reflection)
         stiffness = np.zeros(rows.shape[0]) if penalty is None else penalty
         if turned is not None and np.allclose(turned * stiffness, stiffness[:, None] * turned):
-            return _mirrored(reflection, turned, K, M, expansion, rows, penalty, solver)
-    return held_interface(sp.csr_matrix(K[chosen][:, chosen]), rows, penalty=penalty, solver=solver)
+            return _halves(reflection, turned, K, M, expansion, rows, penalty)
+    n, b = expansion.shape[1], rows.shape[0]
+    own_K, own_M = projected(K, expansion), projected(M, expansion)
+    return (Subspace(sp.eye_array(n, format="csr"), np.arange(n), np.eye(b), own_K, own_M, rows, penalty),)
 
 
-def choice_of(expansion: sp.csr_matrix) -> np.ndarray | None:
-    """Numbers (n,) of the unknowns u that E (u, n) selects; None if it combines some."""
-    return expansion.tocsc().indices if expansion.nnz == expansion.shape[1] else None
+def together(matrices: Sequence[tuple[sp.csr_matrix, sp.csr_matrix]]) -> sp.csr_matrix | spla.LinearOperator:
+    """Products with the sum of Q A Q^T over the subspaces of a body, from all Q and A; A of an undivided body."""
+    if len(matrices) == 1:
+        return matrices[0][1]
+    one, other = (spla.aslinearoperator(Q) @ spla.aslinearoperator(A) @ spla.aslinearoperator(Q.T) for Q, A in matrices)
+    return one + other
+
+
+def projected(matrix: sp.csr_matrix, expansion: sp.csr_matrix) -> sp.csr_matrix:
+    """E^T A E; a selection of unknowns is sliced."""
+    if expansion.nnz > expansion.shape[1]:
+        return sp.csr_matrix(expansion.T @ matrix @ expansion)
+    chosen = expansion.tocsc().indices
+    return sp.csr_matrix(matrix[chosen][:, chosen])
 
 
 def reduced_and_counted(
-    interface: Interface,
-    whole: Callable[[], tuple[sp.csr_matrix, sp.csr_matrix]],
+    subspaces: Sequence[Subspace],
+    loads: np.ndarray | sp.csr_matrix,
     *,
-    highest: float,
-    enrich: bool = True,
+    highest: float | None,
+    count: int = 0,
+    solver: Solver = "auto",
 ) -> tuple[Reduction, int]:
-    """`reduce_and_count`, by halves if the body has them.
+    """Reduce a body one subspace at a time; the number of modes is verified by a Sturm-sequence count.
 
     Parameters
     ----------
-    interface, highest, enrich : those of `reduce_body`
-    whole : returns K and M of the undivided body, if needed
+    subspaces : of the body
+    loads : (n, l), those of `held_interface`
+    highest : Hz, every mode up to it, with the inertia correction; or None:
+    count : number of modes of every subspace, not verified; 0: static condensation
+    solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------
-    EigenError : the number of modes differs from the Sturm-sequence count; or see `reduce_body`
+    EigenError : the number of modes differs from the Sturm-sequence count; or see `held_interface` and `reduce_body`
     """
-    if not isinstance(interface, MirroredInterface):
-        return reduce_and_count(interface, *whole(), highest=highest, enrich=enrich)
 
-    def reduced(half: Half) -> tuple[Reduction, int]:
-        return reduce_and_count(half.interface, half.stiffness(), half.M, highest=highest, enrich=enrich)
+    def reduced(one: Subspace) -> tuple[Reduction, int]:
+        give_back()  # the factor of the subspace before
+        held = held_interface(one.K, one.rows, penalty=one.penalty, loads=one.motions.T @ loads, solver=solver)
+        if highest is None:
+            return reduce_body(held, one.K, one.M, count=count, enrich=count > 0), 0
+        counted = count_fixed_modes(held, one.K, one.M, highest)
+        give_back()
+        reduction = reduce_body(held, one.K, one.M, highest=highest)
+        if reduction.n_fixed != counted:
+            raise EigenError(
+                f"casing: {reduction.n_fixed} fixed-interface modes found below {highest:g} Hz, {counted} exist; "
+                "choose a slightly different band"
+            )
+        return reduction, counted
 
-    (one, first), (other, second) = _by_halves(reduced, interface)
-    give_back()
-    return _joined(interface, one, other), first + second
+    found = [reduced(one) for one in subspaces]
+    return _joined(subspaces, [reduction for reduction, _ in found]), sum(counted for _, counted in found)
 
 
-def lowest(interface: Interface, whole: Callable[[], sp.csr_matrix], count: int) -> tuple[np.ndarray, np.ndarray]:
+def lowest(subspaces: Sequence[Subspace], count: int) -> tuple[np.ndarray, np.ndarray]:
     """The lowest natural modes of a body with free interface and definite stiffness.
 
     Parameters
     ----------
-    interface : of the body, without penalty
-    whole : returns M (n, n) of the undivided body, if needed
+    subspaces : of the body, without penalty
     count : number of modes
 
     Returns
@@ -186,26 +202,17 @@ def lowest(interface: Interface, whole: Callable[[], sp.csr_matrix], count: int)
     ------
     EigenError : no convergence
     """
-    if not isinstance(interface, MirroredInterface):
-        return block_lanczos(interface.factor.solve, whole(), count=count)
-    found = _lowest_of_halves(interface, math.ceil(_SHARE * count))
+
+    def of_each(number: int) -> list[tuple[np.ndarray, np.ndarray]]:
+        return [block_lanczos(factorize(one.K).solve, one.M, count=number) for one in subspaces]
+
+    found = of_each(count if len(subspaces) == 1 else math.ceil(_SHARE * count))
+    if np.sort(np.concatenate([theta for theta, _ in found]))[-count:][0] < max(theta[-1] for theta, _ in found):
+        found = of_each(count)  # one half may have further modes above the last one
     theta = np.concatenate([values for values, _ in found])
     order = np.argsort(-theta)[:count]
-    if theta[order[-1]] < max(values[-1] for values, _ in found):  # one half may have further modes above it
-        found = _lowest_of_halves(interface, count)
-        theta = np.concatenate([values for values, _ in found])
-        order = np.argsort(-theta)[:count]
-    vectors = [half.motions @ modes for half, (_, modes) in zip(interface.halves, found, strict=True)]
+    vectors = [one.motions @ modes for one, (_, modes) in zip(subspaces, found, strict=True)]
     return theta[order], np.hstack(vectors)[:, order]
-
-
-def _lowest_of_halves(interface: MirroredInterface, count: int) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
-    return _by_halves(lambda half: block_lanczos(half.interface.factor.solve, half.M, count=count), interface)
-
-
-def _by_halves(work: Callable[[Half], Result], interface: MirroredInterface) -> tuple[Result, Result]:
-    one, other = interface.halves
-    return side_by_side(lambda: work(one), lambda: work(other))
 
 
 def _reflection(places: Places, axis: int, K: sp.csr_matrix, chosen: np.ndarray) -> _Reflection | None:
@@ -249,12 +256,12 @@ def _images(points: np.ndarray, twice: float, axis: int, near: float) -> np.ndar
 
 
 def _signs(K: sp.csr_matrix, image: np.ndarray, sign: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Sign (1 or -1) of a reflected added function relative to its image, from the forces of both on the nodes."""
+    """Sign (1 or -1) of a reflected added function relative to its image, from their forces in a random motion."""
     n = len(image)
-    forces = K[n:, :n]
-    reflected = forces[:, image] @ sp.diags_array(sign)
-    product = np.asarray(reflected.multiply(forces[other]).sum(axis=1)).ravel()
-    return np.where(product < 0.0, -1.0, 1.0)
+    x, reflected = np.zeros((2, K.shape[0]))
+    x[:n] = np.random.default_rng(0).standard_normal(n)
+    reflected[:n] = sign * x[image]
+    return np.where((K @ reflected)[n:] * (K @ x)[n:][other] < 0.0, -1.0, 1.0)
 
 
 def _unchanged(matrix: sp.csr_matrix, reflection: _Reflection, expansion: sp.csr_matrix) -> bool:
@@ -275,7 +282,7 @@ def _of_interface(rows: sp.csr_matrix, reflection: _Reflection) -> np.ndarray | 
     return 0.5 * (R + R.T)
 
 
-def _mirrored(
+def _halves(
     reflection: _Reflection,
     turned: np.ndarray,
     K: sp.csr_matrix,
@@ -283,14 +290,14 @@ def _mirrored(
     expansion: sp.csr_matrix,
     rows: sp.csr_matrix,
     penalty: np.ndarray | None,
-    solver: Solver,
-) -> MirroredInterface:
+) -> tuple[Subspace, Subspace]:
     value, vector = la.eigh(turned)
     largest, kept = float(K.diagonal().max()), expansion.tocsc().indices[reflection.kept]
 
-    def held(parity: float) -> Half:
+    def half(parity: float) -> Subspace:
         Q, C, share = reflection.motions(parity), vector[:, value * parity > 0.0], reflection.share(parity)
         scale = np.divide(1.0, share, out=np.zeros_like(share), where=share > 0.0)
+
         in_body = sp.csr_matrix(expansion @ Q)
 
         def of_half(matrix: sp.csr_matrix) -> sp.csr_matrix:
@@ -299,64 +306,41 @@ def _mirrored(
             found.data *= np.repeat(scale, np.diff(found.indptr))
             return found
 
-        def stiffness() -> sp.csr_matrix:
-            return sp.csr_matrix(of_half(K) + sp.diags_array(np.where(share > 0.0, 0.0, largest)))
-
-        own_K, own_M = stiffness(), of_half(M)
-        give_back()
+        own_K = sp.csr_matrix(of_half(K) + sp.diags_array(np.where(share > 0.0, 0.0, largest)))
         own_rows = sp.csr_matrix(C.T @ (rows @ Q).toarray())
         own_penalty = None if penalty is None else np.einsum("ij,i,ij->j", C, penalty, C)
-        return Half(Q, C, stiffness, own_M, held_interface(own_K, own_rows, penalty=own_penalty, solver=solver))
+        return Subspace(Q, reflection.kept, C, own_K, of_half(M), own_rows, own_penalty)
 
-    halves = side_by_side(lambda: held(1.0), lambda: held(-1.0))
-
-    solvers = tuple((half.motions, half.interface.factor.solve) for half in halves)  # only these are kept by `solve`
-
-    def solve(b: np.ndarray) -> np.ndarray:
-        def of(motions: sp.csr_matrix, inverse: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-            loads, out = motions.T @ columns, np.zeros(columns.shape)
-            acts = np.linalg.norm(loads, axis=0) > _NO_LOAD * sizes  # most loads are those of one half
-            out[:, acts] = motions @ inverse(loads[:, acts])
-            return out
-
-        columns = b.reshape(len(b), -1)
-        sizes = np.linalg.norm(columns, axis=0)
-
-        one, other = side_by_side(lambda: of(*solvers[0]), lambda: of(*solvers[1]))
-        return (one + other).reshape(b.shape)
-
-    return MirroredInterface(
-        factor=Factor(
-            f"{halves[0].interface.factor.name}, by symmetric and antisymmetric halves", expansion.shape[1], solve
-        ),
-        rows=rows,
-        constraint=sum(half.motions @ (half.interface.constraint @ half.coordinates.T) for half in halves),
-        stiffness=sum(half.coordinates @ half.interface.stiffness @ half.coordinates.T for half in halves),
-        halves=halves,
-    )
+    return half(1.0), half(-1.0)
 
 
-def _joined(interface: MirroredInterface, *reductions: Reduction) -> Reduction:
-    """The reduction of the whole body from those of its halves."""
-    b = len(interface.stiffness)
-    mass, between, frequencies, late = np.zeros((b, b)), [], [], []
-    for half, own in zip(interface.halves, reductions, strict=True):
-        C, own_b = half.coordinates, half.coordinates.shape[1]
+def _joined(subspaces: Sequence[Subspace], reductions: Sequence[Reduction]) -> Reduction:
+    """The reduction of the whole body from those of its subspaces."""
+    b, n = len(subspaces[0].coordinates), subspaces[0].motions.shape[0]
+    (stiffness, mass), between, frequencies, late = np.zeros((2, b, b)), [], [], []
+    constraint, loaded = np.zeros((n, b)), np.zeros((n, reductions[0].loaded.shape[1]))
+    for one, own in zip(subspaces, reductions, strict=True):
+        C, own_b = one.coordinates, one.coordinates.shape[1]
+        stiffness += C @ own.stiffness[:own_b, :own_b] @ C.T
         mass += C @ own.mass[:own_b, :own_b] @ C.T
+        constraint += one.motions @ (own.constraint @ C.T)
+        loaded += one.motions @ own.loaded
         between.append(C @ own.mass[:own_b, own_b:])
         frequencies.append(own.frequencies)
         late.append(np.arange(len(own.frequencies)) >= own.n_fixed)
     together, inertia = np.concatenate(frequencies), np.concatenate(late)
     order = np.lexsort((together, inertia))
     cross = np.hstack(between)[:, order]
-    modes, places = np.empty((len(interface.constraint), len(order))), np.split(np.argsort(order), [len(late[0])])
-    for half, own, place in zip(interface.halves, reductions, places, strict=True):
-        modes[:, place] = half.motions @ own.modes
+    modes, places = np.empty((n, len(order))), np.split(np.argsort(order), np.cumsum([len(one) for one in late])[:-1])
+    for one, own, place in zip(subspaces, reductions, places, strict=True):
+        modes[:, place] = one.motions @ own.modes
     return Reduction(
-        constraint=interface.constraint,
+        constraint=constraint,
         modes=modes,
         frequencies=together[order],
         n_fixed=int((~inertia).sum()),
-        stiffness=la.block_diag(interface.stiffness, np.diag((2.0 * math.pi * together[order]) ** 2)),
+        stiffness=la.block_diag(stiffness, np.diag((2.0 * math.pi * together[order]) ** 2)),
         mass=np.block([[mass, cross], [cross.T, np.eye(len(order))]]),
+        loaded=loaded,
+        solver=reductions[0].solver + (", by symmetric and antisymmetric halves" if len(subspaces) > 1 else ""),
     )

@@ -47,6 +47,8 @@ class Reduction:
     n_fixed: int  # columns of Phi; the rest are E
     stiffness: np.ndarray  # (b + m, b + m)
     mass: np.ndarray
+    loaded: np.ndarray  # displacements (n, l) under the loads of the interface
+    solver: str  # name of the factor
 
     @property
     def basis(self) -> np.ndarray:
@@ -71,11 +73,7 @@ class Interface:
     rows: sp.csr_matrix  # B (b, n)
     constraint: np.ndarray  # Psi (n, b)
     stiffness: np.ndarray  # S^-1 - D (b, b)
-
-    @property
-    def whole(self) -> Interface:
-        """The interface without data that only a reduction needs."""
-        return self
+    loaded: np.ndarray  # A^-1 loads (n, l)
 
     def inverse(self, X: np.ndarray) -> np.ndarray:
         """P X: displacements under the loads X (n, k) with the interface held."""
@@ -85,7 +83,12 @@ class Interface:
 
 
 def held_interface(
-    K: sp.spmatrix, rows: sp.spmatrix, *, penalty: np.ndarray | None = None, solver: Solver = "auto"
+    K: sp.spmatrix,
+    rows: sp.spmatrix,
+    *,
+    penalty: np.ndarray | None = None,
+    loads: np.ndarray | sp.csr_matrix | None = None,
+    solver: Solver = "auto",
 ) -> Interface:
     """Factorise A = K + B^T D B and compute the constraint modes.
 
@@ -94,6 +97,7 @@ def held_interface(
     K : sparse (n, n), N/m; positive definite together with the penalty
     rows : sparse B (b, n)
     penalty : diagonal of D (b,), N/m; needed only when K alone is singular
+    loads : (n, l), whose displacements are needed after the factor is freed; none by default
     solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
@@ -104,7 +108,9 @@ def held_interface(
     rows = sp.csr_matrix(rows)
     A = K if penalty is None else K + rows.T @ sp.diags_array(penalty) @ rows
     factor = factorize(A, solver=solver)
-    flexible = factor.solve(rows.T.toarray())  # A^-1 B^T
+    b = rows.shape[0]
+    found = factor.solve(sp.hstack([rows.T, *([] if loads is None else [loads])]).toarray())
+    flexible = found[:, :b]  # A^-1 B^T
     S = rows @ flexible
     S = 0.5 * (S + S.T)
     scale = np.sqrt(np.diag(S))
@@ -112,7 +118,7 @@ def held_interface(
         raise ReductionError(f"the {len(S)} interface rows are not independent; remove a row or separate the patches")
     inverse = la.inv(S) if S.size else S
     stiffness = 0.5 * (inverse + inverse.T) - (np.diag(penalty) if penalty is not None else 0.0)
-    return Interface(factor, rows, flexible @ inverse, stiffness)
+    return Interface(factor, rows, flexible @ inverse, stiffness, found[:, b:].copy())
 
 
 def reduce_body(
@@ -155,7 +161,7 @@ def reduce_body(
     between = M_Psi.T @ modes
     mass = np.block([[_symmetric(M_Psi.T @ Psi), between], [between.T, np.eye(modes.shape[1])]])
     stiffness = la.block_diag(interface.stiffness, np.diag((2.0 * math.pi * frequencies) ** 2))
-    return Reduction(Psi, modes, frequencies, n_fixed, stiffness, mass)
+    return Reduction(Psi, modes, frequencies, n_fixed, stiffness, mass, interface.loaded, interface.factor.name)
 
 
 def _beyond(modes: np.ndarray, extra: np.ndarray, M: sp.csr_matrix) -> np.ndarray:

@@ -25,7 +25,7 @@ import scipy.sparse as sp
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.parts.casing_choices import MOUNTS
 from fem.casing.reduced.damping import DampingRatio, damping_ratios, ratios_with_parts
-from fem.casing.reduced.grounded import GROUND_AXES, ForcedPoint, GroundedCasing, point_rows
+from fem.casing.reduced.grounded import GROUND_AXES, AssembledCasing, ForcedPoint, point_rows
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduced_body import MODES_OVER_BAND, ReducedBody
 from fem.casing.reduced.undamped_modes import undamped_modes
@@ -77,7 +77,7 @@ class ErrorStatement(Record):
 
 
 def state_error(
-    casing: GroundedCasing,
+    casing: AssembledCasing,
     body: ReducedBody,
     *,
     band: float,
@@ -91,28 +91,27 @@ def state_error(
 
     Parameters
     ----------
-    casing : grounded full model
+    casing : full model
     body : reduced from it
     band : Hz, up to which both are compared
     sensors : sensors of the compared responses, along their axes
     damping, loss_factors : of the full model, as given for the body
-    springs : (interface,) N/m of the mounts, if the casing is on springs; needs one more factorisation
-    solver : of that factorisation, see `fem.numerics.linear_solver.factorize`
+    springs : (interface,) N/m of the mounts, if the casing is on springs
+    solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------
     ValueError : the body has no row of a requested sensor
     """
-    solve = casing.interface.factor.solve
-    if springs is not None and not np.array_equal(springs, casing.springs):
-        solve = factorize(casing.on_springs(springs), solver=solver).solve
+    mounts = 0.0 if springs is None else casing.rows.T @ sp.diags_array(springs) @ casing.rows
+    solve = factorize(casing.K_free + mounts, solver=solver).solve
     smallest = (2.0 * math.pi * MODES_OVER_BAND * band) ** -2.0
     theta, phi = block_lanczos(solve, casing.M_free, smallest=smallest)
     full = 1.0 / (2.0 * math.pi * np.sqrt(theta))
     reduced, _ = undamped_modes(body.stiffness, body.mass)
     inside = full[full <= band][: len(reduced)]
     thirds, frequencies = third_octaves(band)
-    loads = casing.interface.rows
+    loads = casing.rows
     bearing_rows = np.array([not n.startswith("ground_") for n in casing.coordinate_names])
     used = loads[np.flatnonzero(bearing_rows)]
     readings = sensor_rows(casing, sensors) if sensors else sp.csr_matrix((0, loads.shape[1]))
@@ -141,7 +140,7 @@ def state_error(
 
 
 def _ratios(
-    casing: GroundedCasing,
+    casing: AssembledCasing,
     theta: np.ndarray,
     phi: np.ndarray,
     damping: DampingRatio,
@@ -152,7 +151,7 @@ def _ratios(
     ratios = damping_ratios(damping, 1.0 / (2.0 * math.pi * np.sqrt(theta)))
     if not loss_factors:
         return ratios
-    parts, held = dict(casing.parts), casing.interface.rows
+    parts, held = dict(casing.parts), casing.rows
     if springs is not None:
         parts[MOUNTS] = sp.csr_matrix(held.T @ sp.diags_array(springs) @ held)
     shares = np.array([theta * np.einsum("ik,ik->k", phi, parts[name] @ phi) for name in loss_factors])
@@ -169,7 +168,7 @@ def third_octaves(band: float) -> tuple[np.ndarray, np.ndarray]:
     return middle, (ends[:, :1] * (ends[:, 1:] / ends[:, :1]) ** steps).ravel()
 
 
-def sensor_rows(casing: GroundedCasing, sensors: Sequence[Sensor]) -> sp.csr_matrix:
+def sensor_rows(casing: AssembledCasing, sensors: Sequence[Sensor]) -> sp.csr_matrix:
     """Rows (3 sensor, n) of the displacements along the sensor axes in the full model."""
     nodal = casing.expansion[: 3 * len(casing.mesh.nodes)]
     points = (ForcedPoint(sensor=sensor, axes=GROUND_AXES) for sensor in sensors)

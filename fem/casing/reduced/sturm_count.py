@@ -7,7 +7,7 @@ import math
 import scipy.sparse as sp
 
 from fem.casing.reduced.lanczos import EigenError
-from fem.casing.reduced.reduction import Interface, Reduction, reduce_body
+from fem.casing.reduced.reduction import Interface
 
 
 def count_fixed_modes(interface: Interface, K: sp.spmatrix, M: sp.spmatrix, highest: float) -> int:
@@ -37,26 +37,3 @@ def count_fixed_modes(interface: Interface, K: sp.spmatrix, M: sp.spmatrix, high
         except NearlySingularError as error:
             reason = str(error)
     raise EigenError(f"the modes below {highest:g} Hz cannot be counted ({reason}); choose another band")
-
-
-def reduce_and_count(
-    interface: Interface, K: sp.spmatrix, M: sp.spmatrix, *, highest: float, enrich: bool = True
-) -> tuple[Reduction, int]:
-    """`reduce_body` after `count_fixed_modes`, in sequence: each uses two cores, and memory is freed in between.
-
-    Parameters
-    ----------
-    interface, K, M, highest, enrich : those of `reduce_body`
-
-    Raises
-    ------
-    EigenError : the number of modes differs from the Sturm-sequence count; or see the two functions
-    """
-    counted = count_fixed_modes(interface, K, M, highest)
-    reduction = reduce_body(interface, K, M, highest=highest, enrich=enrich)
-    if reduction.n_fixed != counted:
-        raise EigenError(
-            f"casing: {reduction.n_fixed} fixed-interface modes found below {highest:g} Hz, {counted} exist; "
-            "choose a slightly different band"
-        )
-    return reduction, counted

@@ -21,10 +21,10 @@ from threadpoolctl import threadpool_limits
 
 from fem.casing.parts.casing_choices import Ground
 from fem.casing.reduced.casing_modes import CasingModes
-from fem.casing.reduced.grounded import AssembledCasing, GroundedCasing
-from fem.casing.reduced.halves import lowest
+from fem.casing.reduced.grounded import AssembledCasing
+from fem.casing.reduced.halves import lowest, reduced_and_counted
 from fem.casing.reduced.reduced_body import MODES_OVER_BAND
-from fem.casing.reduced.reduction import Reduction, reduce_body
+from fem.casing.reduced.reduction import Reduction
 from fem.casing.reduced.undamped_modes import undamped_modes
 from fem.casing.uncertainty.cubic_limits import cubic_limits
 from fem.casing.uncertainty.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
@@ -65,23 +65,25 @@ def lowest_modes(assembled: AssembledCasing, *, static: bool) -> LowestModes:
 
     Raises
     ------
-    as `AssembledCasing.held` and `reduce_body`
+    as `reduced_and_counted`
     """
     ground = assembled.ground
     with threadpool_limits(1):  # the expensive steps run in two parallel halves
-        casing = assembled.held()
         if ground == "fixed" and not static:  # definite: no interface needs to be held
-            theta, phi = lowest(casing.interface, lambda: casing.M_free, MODES)
+            theta, phi = lowest(assembled.subspaces, MODES)
             frequencies = 1.0 / (2.0 * np.pi * np.sqrt(theta))
         else:
             count = 0 if static else 2 * MODES  # enough for a negligible error in the lowest half
-            reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=count, enrich=not static)
+            loads = np.zeros((assembled.unknowns, 0))
+            reduction, _ = reduced_and_counted(assembled.subspaces, loads, highest=None, count=count)
             frequencies, vectors = _elastic(reduction.stiffness, reduction.mass, ground)
             phi = reduction.expanded(vectors)
-    return _sampled(casing, frequencies, phi)
+    return _sampled(assembled, frequencies, phi)
 
 
-def quadratic_modes(assembled: AssembledCasing, reduction: Reduction, *, static: bool) -> LowestModes:
+def quadratic_modes(
+    quadratic: AssembledCasing, cubic: np.ndarray, reduction: Reduction, *, static: bool
+) -> LowestModes:
     """The modes of a casing without the cubic displacements of its elements, from those with them.
 
     The latter, X with omega, are so close that one inverse iteration is sufficient,
@@ -93,31 +95,30 @@ def quadratic_modes(assembled: AssembledCasing, reduction: Reduction, *, static:
 
     Parameters
     ----------
-    assembled : the casing with cubic displacements
-    reduction : of it
+    quadratic : the casing without cubic displacements
+    cubic : bool (n,), its unknowns with them that are cubic displacements
+    reduction : of the casing with them
     static : as in `lowest_modes`
 
     Raises
     ------
-    as `AssembledCasing.held`
+    as `reduced_and_counted`
     """
-    quadratic = assembled.quadratic()
     if static:
         return lowest_modes(quadratic, static=True)
     squares, vectors = (
         some[..., : RIGID_MOTIONS + MODES + _GUARD] for some in la.eigh(reduction.stiffness, reduction.mass)
     )
-    X = reduction.expanded(vectors)[assembled.not_cubic]
-    casing = quadratic.held()
-    M, B, D = casing.M_free, casing.rows, casing.springs[:, None]
+    X = reduction.expanded(vectors)[~cubic]
+    M, B, D = quadratic.M_free, quadratic.rows, quadratic.springs[:, None]
     loads = M @ (X * squares) + B.T @ (D * (B @ X))
-    Y = casing.interface.factor.solve(loads)
+    Y = reduced_and_counted(quadratic.subspaces, loads, highest=None)[0].loaded
     K_small = Y.T @ loads - (B @ Y).T @ (D * (B @ Y))
-    frequencies, small = _elastic(0.5 * (K_small + K_small.T), Y.T @ (M @ Y), casing.ground)
-    return _sampled(casing, frequencies, Y @ small)
+    frequencies, small = _elastic(0.5 * (K_small + K_small.T), Y.T @ (M @ Y), quadratic.ground)
+    return _sampled(quadratic, frequencies, Y @ small)
 
 
-def _sampled(casing: GroundedCasing, frequencies: np.ndarray, vectors: np.ndarray) -> LowestModes:
+def _sampled(casing: AssembledCasing, frequencies: np.ndarray, vectors: np.ndarray) -> LowestModes:
     unknowns = unknowns_of(sample_nodes(casing.mesh.nodes))
     return LowestModes(
         frequencies=frequencies,

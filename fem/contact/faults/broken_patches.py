@@ -6,8 +6,8 @@ Within a patch the mate is supported by the rim above and below it, so that the 
 
 with the radius rho of relative curvature. The largest gap of a patch of half height a is a^2 / (2 rho), for example 25
 um for 2 a = 1 mm on a radius of 5 mm. A rim beyond the tip, or out of reach of the mate, gives no support; a tip edge
-of the mate touches the floor. Height and gap of an elliptical patch decrease to zero at its ends. A sharp rim is
-assumed to be rigid: its load concentration is not modelled.
+of the mate touches the floor. Height and gap of an elliptical patch decrease to zero at its ends. A rim has the
+compliance of a flank; `fem.contact.faults.spalled_tooth` adds that of the rim of a spall, pits add none.
 """
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ def gap_on_slices(
     ends : face coordinates (m) at which damage begins or ends
     gap : of parts of the face, (part, position), m, >= 0 or inf
     """
-    parts = _parts(law, pair, ends)
+    parts = face_parts(law, pair, ends)
     gaps = gap(parts)
     usual = USUAL_APPROACH * pair.pinion.normal_module
     found = np.zeros((law.face_coordinate.size, law.compliance.size))
@@ -59,7 +59,8 @@ def gap_on_slices(
     return found
 
 
-def _parts(law: MeshLaw, pair: GearPair, ends: Iterable[float]) -> FaceParts:
+def face_parts(law: MeshLaw, pair: GearPair, ends: Iterable[float]) -> FaceParts:
+    """The parts of the face; arguments as in `gap_on_slices`."""
     edges = np.concatenate([[0.0], np.cumsum(law.slice_width)]) - law.slice_width.sum() / 2
     within = np.linspace(edges[:-1], edges[1:], SUBDIVISIONS + 1)
     cuts = np.unique(np.concatenate([within.ravel(), np.clip(np.array(list(ends), dtype=float), edges[0], edges[-1])]))

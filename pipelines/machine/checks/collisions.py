@@ -110,7 +110,7 @@ def _clashes(first: list[RevolvedBody], second: list[RevolvedBody], layout: Trai
                     f"{two.radius * 1000:.2f} mm): the distance of their axes is {distance * 1000:.2f} mm and must be "
                     f"more than {needed * 1000:.2f} mm",
                     "Move one of them along the shafts (position_mm), or reduce one of the diameters. "
-                    "If their shafts do not mesh with each other, direction_deg of a stage also changes the distance",
+                    "If they are in different stages, direction_deg of a stage also changes the distance",
                 )
 
 

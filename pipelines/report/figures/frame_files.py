@@ -16,6 +16,7 @@ from pipelines.io.user_files import whole_file
 
 def save_figure(figure: Figure, path: Path, *, dpi: int) -> None:
     """Write a figure in the format of the ending; the file is whole or not there."""
+    figure.draw_without_rendering()  # the layout changes the ticks, and their labels then the layout
     with whole_file(path) as partial:
         figure.savefig(partial, dpi=dpi)
 

@@ -46,7 +46,8 @@ def load_map_figure(title: str, found: xarray.Dataset) -> Figure:
             cycle.plot(one.position, error, style, color=colour, label=f"{torque:.4g} N m" if style == "-" else None)
             pressure.plot(face, one.pressure / 1e6, style, color=colour)
             factors = found.face_load_factor.sel(torque=torque, method="nearest").values
-            label = f"{torque:.4g} N m: $K_{{H\\beta}}$ {', '.join(f'{factor:.3g}' for factor in factors)}"
+            named = ", ".join(f"{factor:.3g} {plain(name)}" for name, factor in zip(states, factors, strict=True))
+            label = f"{torque:.4g} N m: $K_{{H\\beta}}$ {named}"
             load.plot(face, one.line_load / 1e3, style, color=colour, label=label if style == "-" else None)
             pattern = one.pattern[number] / 1e6
             drawn = draw_pattern(

@@ -288,7 +288,7 @@ def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) 
                           edgecolor=colour, lw=0.8)  # fmt: skip
                 place += 1
         curves.margins(x=0)
-        dress(curves, f"{own[0].title}, healthy", "mesh cycle", "transmission error less its mean, µm")
+        dress(curves, f"healthy pair of {own[0].title}", "mesh cycle", "transmission error less its mean, µm")
         dress(lines, "orders of the mesh frequency", "order", "amplitude, µm")
         lines.set_xticks(range(1, ORDERS + 1))
         curves.legend(
@@ -312,7 +312,7 @@ def _draw_passages(axes: Axes, errors: Sequence[TransmissionErrors], colours: np
     axes.margins(x=0)
     dress(
         axes,
-        f"{errors[0].title}, while a damaged tooth passes",
+        f"while a damaged tooth passes, {errors[0].title}",
         "mesh cycles from contact of the damaged tooth at the pitch point",
         "transmission error, µm",
     )

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
 
 from mbd.forces.bearing_models import BEARINGS, bearing_model
-from pipelines.scene.tables.derived import choice, table
+from pipelines.scene.tables.derived import by_default, choice, table
 
-BearingModel: TypeAlias = choice((table(bearing_model(name)) for name in BEARINGS), "model")
+BearingModel: TypeAlias = Annotated[
+    choice((table(bearing_model(name)) for name in BEARINGS), "model"), by_default("linear")
+]

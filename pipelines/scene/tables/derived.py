@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, create_model, model_validator
+from pydantic import BeforeValidator, Field, create_model, model_validator
 
 from fem.options import Option, inlined, key_suffix, options_of
 from pipelines.scene.tables.scene_table import Flag, Number, Table, Whole
@@ -142,6 +142,13 @@ def _options(made_of: type) -> Iterator[tuple[dataclasses.Field, Any, Option]]:
 def _series(made_of: type) -> tuple[str, ...]:
     """The keys of options that are arrays."""
     return tuple(key_of(field.name, one) for field, hint, one in _options(made_of) if hint is np.ndarray)
+
+
+def by_default(model: str) -> BeforeValidator:
+    """Sets the model of a table that gives none."""
+    return BeforeValidator(
+        lambda value: {"model": model, **value} if isinstance(value, dict) and "model" not in value else value
+    )
 
 
 def choice(tables: Iterable[Any], key: str) -> Any:

@@ -6,7 +6,7 @@ from abc import abstractmethod
 from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from mbd.forces.hanging_loads import LOADS, HangingLoad, StaticTorqueLoad, load_model
 from mbd.forces.induction_motor import InductionMotor
@@ -15,7 +15,7 @@ from mbd.forces.torque_source import TorqueSource
 from mbd.parts.load import Load
 from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 from pipelines.io.errors import Problem, SceneError
-from pipelines.scene.tables.derived import DerivedTable, choice, table
+from pipelines.scene.tables.derived import DerivedTable, by_default, choice, table
 from pipelines.scene.tables.scene_table import Number, Table, Whole
 from pipelines.scene.tables.series import ColumnTable, Samples, check_pairs, pairs
 from pipelines.scene.tables.shafts import ShaftTable
@@ -235,10 +235,6 @@ class _InductionBase(_MotorsBase):
         return self.rated_rpm / 60
 
 
-def _speed_by_default(value: Any) -> Any:
-    return {"model": "speed", **value} if isinstance(value, dict) and "model" not in value else value
-
-
 class TorqueLoad(SomewhereTable, TorqueCurve):
     """A brake, fan or other machine that takes a torque; positive torques resist positive rotation."""
 
@@ -315,6 +311,6 @@ DriveModel: TypeAlias = Annotated[
         (SpeedDrive, TorqueDrive, table(InductionMotor, _InductionBase), table(SpeedController, _ControlledBase)),
         "model",
     ),
-    BeforeValidator(_speed_by_default),
+    by_default("speed"),
 ]
 LoadModel: TypeAlias = choice((TorqueLoad, *(table(load_model(name), LoadBase) for name in LOADS)), "model")

@@ -100,7 +100,8 @@ class HousingBase(DerivedTable):
     foot_pitch_mm: Annotated[
         Length | None,
         Field(
-            description="largest distance of neighbouring feet, which sets their number; without it: three on each side"
+            description="largest distance of neighbouring feet, which sets their number; without it: three on each "
+            "side; the outer feet end 5 % of length_mm before the end walls"
         ),
     ] = None
     joint: Annotated[

@@ -1,1 +1,1 @@
-"""Search for flank modifications with the least transmission error and pressure, nominal or with deviations."""
+"""Search for flank modifications with the least transmission error, level or pressure, nominal or with deviations."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.contact.models.solid import Solid
 from pipelines.io.text_table import grid
 from pipelines.io.user_files import whole_file
 from pipelines.studies.design.design_study import COMPROMISE, FINE, DesignStudy
@@ -21,12 +22,13 @@ if TYPE_CHECKING:
 
 _CAPTION = (
     "Left: candidates as evaluated in the search, and, filled, the unmodified pair and the best designs with more "
-    "positions in the mesh cycle. Right: transmission error of the nominal pair and, dashed, its 90 % quantile "
-    "over the pairs with deviations"
+    "positions in the mesh cycle. Middle and right: transmission error of the nominal pair and the amplitude of its "
+    "first order; dashed: their 90 % quantiles over the pairs with deviations"
 )
+_LEVELS = "Levels at the torque of the scene, by the linearised machine and by the time loop"
 _MAP_CAPTION = (
-    "Unmodified pair and recommended design over the torque, and along the face at the least, a middle and the largest "
-    "torque. Contact patterns: largest pressure of a tooth over its engagement; grey: no contact"
+    "Recommended design and the same gears without modifications over the torque, and along the face at the least, a "
+    "middle and the largest torque. Contact patterns: largest pressure of a tooth over its engagement; grey: no contact"
 )
 
 
@@ -34,11 +36,14 @@ def words(found: DesignStudy) -> Iterator[str]:
     """The table of the front, and the settings of the best designs."""
     yield grid(found.title, found.rows()).to_text()
     yield _conditions(found)
+    if found.levels:
+        yield grid(_LEVELS, found.levels).to_text()
+        yield _louder(found)
     best = found.best()
     if COMPROMISE in best:
         yield (
-            "Compromise: the design of the Pareto front nearest to the best value of every objective, each divided by "
-            "its range on the front; it is better than the unmodified pair in every objective."
+            "Compromise: of the designs of the Pareto front that are better than the unmodified pair in every "
+            "objective, the nearest to the best values of all objectives, each divided by its range on the front."
         )
     elif len(best) > 1:
         yield "There is no compromise that is better than the unmodified pair in every objective."
@@ -49,6 +54,7 @@ def words(found: DesignStudy) -> Iterator[str]:
             yield f"Design {name} exceeds {', '.join(exceeded)} on the finer positions. Reduce the limit a little."
         if edges := found.edges(name):
             yield f"Design {name} is at the edge of the range of {', '.join(edges)}. Extend the range with --vary."
+    yield from _model(found)
 
 
 def _conditions(found: DesignStudy) -> str:
@@ -59,11 +65,36 @@ def _conditions(found: DesignStudy) -> str:
         f"positions in the mesh cycle, the search with {conditions.positions}."
     )
     if conditions.samples:
+        flanks = "" if conditions.grade is None else f" of class {conditions.grade}"
         text += (
-            f" Deviations: {len(conditions.samples)} pairs of class {conditions.grade} from seed {task.seed}, "
+            f" Deviations: {len(conditions.samples)} pairs{flanks} from seed {task.seed}, "
             f"misalignment up to {1e6 * conditions.misalignment:.3g} um."
         )
     return text
+
+
+def _model(found: DesignStudy) -> Iterator[str]:
+    """What a model without coupling of the slices along the face does not compute."""
+    scene = found.evaluate.scene
+    if not isinstance(scene.machine.laws[scene.stage - 1].mesh, Solid):
+        yield (
+            "This mesh model does not couple the parts of a tooth along the face. It underestimates the effect of "
+            f"crownings and misalignments. Repeat the search with --set stages.{scene.stage}.mesh.model=solid, which "
+            "takes some seconds more."
+        )
+
+
+def _louder(found: DesignStudy) -> str:
+    """Designs with less transmission error than the unmodified pair, but not a lower level."""
+    changes = [key for key in found.levels[0] if key.endswith(" dB")]
+    names = ", ".join(
+        row["design"]
+        for row in found.levels[1:]
+        if row["te um"] < found.levels[0]["te um"] and max(row[key] for key in changes) >= 0.0
+    )
+    return (
+        f"Less transmission error than the unmodified pair, but not a lower level: {names or 'none of these designs'}."
+    )
 
 
 def write_page(found: DesignStudy, path: Path) -> None:
@@ -75,7 +106,8 @@ def write_page(found: DesignStudy, path: Path) -> None:
     body = [
         heading(found.title, 1),
         table(grid("", ({re.sub("[._]", " ", key): value for key, value in row.items()} for row in found.rows()))),
-        paragraph(_conditions(found)),
+        *map(paragraph, (_conditions(found), *_model(found))),
+        *([table(grid(_LEVELS, found.levels)), paragraph(_louder(found))] if found.levels else []),
         picture(design_figure(found), _CAPTION),
         picture(load_map_figure(found.title, found.load_map(name)), _MAP_CAPTION),
         heading(f"Design {name}"),
@@ -87,11 +119,13 @@ def write_page(found: DesignStudy, path: Path) -> None:
 
 
 def toml(settings: Mapping[str, Any]) -> str:
-    """Settings of gears as TOML, a table for each gear."""
+    """Settings of a stage as TOML, with a table for each gear."""
     tables: dict[str, list[str]] = {}
     for key, value in settings.items():
-        _, stage, gear, rest = key.split(".", 3)
-        tables.setdefault(f"[stages.{stage}.{gear}]", []).append(f"{rest} = {json.dumps(value)}")
+        parts = key.split(".")
+        depth = min(len(parts) - 1, 3)
+        lines = tables.setdefault(f"[{'.'.join(parts[:depth])}]", [])
+        lines.append(f"{'.'.join(parts[depth:])} = {json.dumps(value)}")
     return "\n\n".join("\n".join([head, *lines]) for head, lines in tables.items())
 
 
@@ -99,10 +133,11 @@ def design_figure(found: DesignStudy) -> Figure:
     """Figure of the candidates with the front, and of the transmission error over the torque."""
     from pipelines.report.figures.plots import new_figure
 
-    figure = new_figure(4.6, 11.0)
-    front, loads = figure.subplots(1, 2)
+    figure = new_figure(4.6, 16.0)
+    front, *loads = figure.subplots(1, 3)
     _draw_front(front, found)
-    _draw_loads(loads, found)
+    _draw_loads(loads[0], found, found.results.peak_to_peak, "peak to peak, µm")
+    _draw_loads(loads[1], found, found.results.orders[..., 0], "amplitude of order 1, µm")
     return figure
 
 
@@ -151,16 +186,16 @@ def _purposes(found: DesignStudy) -> dict[str, str]:
     return purposes
 
 
-def _draw_loads(axes: Axes, found: DesignStudy) -> None:
-    """Peak-to-peak transmission error of the nominal pair, and the 90 % quantile of the samples."""
+def _draw_loads(axes: Axes, found: DesignStudy, values: np.ndarray, label: str) -> None:
+    """Values (candidate, sample, load), m, of the nominal pair, and the 90 % quantile of the samples."""
     from pipelines.report.figures.plots import dress
 
     torques = np.array(found.designs.task.torques)
     for number, (name, words) in enumerate({"unmodified": "", **_purposes(found)}.items()):
-        own, colour = 1e6 * found.results.peak_to_peak[found.names.index(name)], f"C{number - 1}" if number else "black"
+        own, colour = 1e6 * values[found.names.index(name)], f"C{number - 1}" if number else "black"
         axes.plot(torques, own[0], "o-", ms=4, color=colour, label=f"{name} {words}")
         if len(own) > 1:
             axes.plot(torques, np.quantile(own[1:], 0.9, axis=0), "o--", ms=4, mfc="none", color=colour)
-    dress(axes, "transmission error over the torque", "torque on the pinion, N m", "peak to peak, µm")
+    dress(axes, "transmission error over the torque", "torque on the pinion, N m", label)
     axes.set_ylim(0.0, 1.3 * axes.get_ylim()[1])  # room for the legend
     axes.legend(fontsize=8, frameon=False, loc="upper left", ncols=2)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Sequence
+import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,24 +13,24 @@ import numpy as np
 
 from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.law import MeshLaw
+from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
-from fem.gears.modifications import LARGEST_PART, PairModifications, relief_lengths
+from fem.gears.modifications import LARGEST_PART, relief_lengths
+from mbd.output.recorder import PASS_SHARE
 from pipelines.engine.run_graph import Work
-from pipelines.io.errors import InputError
+from pipelines.io.errors import InputError, SceneError, SceneWarning
 from pipelines.machine.checks.strength import refuse_overload
 from pipelines.runs.load_map import TORQUE_SHARES
-from pipelines.runs.root_stress import root_step
-from pipelines.runs.single_results import scene_graph
-from pipelines.scene.load_scene import LoadedScene
+from pipelines.scene.load_scene import LoadedScene, changed
 from pipelines.steps.flank_candidates import CandidateResults, Conditions
-from pipelines.studies.design.flank_variables import Variables, parse_vary
-from pipelines.studies.design.quantities import Quantity, parse_limit, parse_quantity
-from pipelines.studies.design.search import Designs, DesignTask, Evaluations, search
+from pipelines.studies.design.design_variables import Variables, parse_vary
+from pipelines.studies.design.quantities import NOMINAL, RATIO_ERROR, Quantity, parse_limit, parse_quantity
+from pipelines.studies.design.search import Candidate, Designs, DesignTask, Evaluations, compromise, search
+from pipelines.studies.design.stage_pair import StagePair, stage_pair
 
 if TYPE_CHECKING:
     import xarray
 
-    from pipelines.machine.machine_model import MachineModel
 
 COMPROMISE = "compromise"
 SHOWN = 8  # candidates of the front in tables
@@ -41,7 +43,8 @@ class DesignOptions:
     """What is searched.
 
     stage : number of the stage, from 1
-    vary : modifications with their values, as ``both.tip_relief.amount_um=0:40:4``; none: tip reliefs of both gears
+    vary : modifications and values of the stage, as ``both.tip_relief.amount_um=0:40:4``, ``face_width_mm=18:24:2``;
+        none: tip reliefs of both gears
     minimize, limits : objectives and limits, as ``te``, ``pressure <= 1200``
     torques : N m on the pinion; none: 25, 50, 75 and 100 % of that of the scene
     samples : number of pairs with random deviations
@@ -69,8 +72,10 @@ class DesignStudy:
     designs : all candidates
     names : of the candidates in tables and figures: "unmodified", "scene" if that is modified, "A", "B", ...
     candidates : of each its number in `designs`, None for the first ones
-    modifications : of each
+    pairs : of each, with its modifications
     results : of each, with `FINE` positions in the mesh cycle
+    levels : a row for each at the load of the scene, its levels by the linearised machine and by the time loop; empty
+        if no quantity is a level
     evaluate : computes more of them
 
     >>> import gearcase
@@ -86,19 +91,14 @@ class DesignStudy:
     designs: Designs
     names: tuple[str, ...]
     candidates: tuple[int | None, ...]
-    modifications: tuple[PairModifications, ...]
+    pairs: tuple[Candidate, ...]
     results: CandidateResults
+    levels: tuple[dict[str, Any], ...]
     evaluate: Evaluations
-
-    @property
-    def quantities(self) -> tuple[Quantity, ...]:
-        """Objectives, then quantities of the limits."""
-        task = self.designs.task
-        return tuple(dict.fromkeys([*task.objectives, *(limit.quantity for limit in task.limits)]))
 
     def rows(self) -> list[dict[str, Any]]:
         """A row for each named candidate: its values and quantities."""
-        columns = [(one.label, one.of(self.results)) for one in self.quantities]
+        columns = [(one.label, one.of(self.results)) for one in self.designs.task.quantities]
         keys = self.designs.task.variables.names
         return [
             {"design": name}
@@ -112,7 +112,7 @@ class DesignStudy:
         return self.designs.task.variables.settings(self._values(name))
 
     def best(self) -> dict[str, str]:
-        """Name of the best candidate of each objective, and of the compromise if it beats the unmodified pair in all.
+        """Name of the best candidate of each objective, and of the compromise if one beats the unmodified pair in all.
 
         The values are those of the fine mesh cycle, as in the table.
         """
@@ -122,9 +122,8 @@ class DesignStudy:
             one.label: self.names[first + int(column.argmin())]
             for one, column in zip(self.designs.task.objectives, values[first:].T, strict=True)
         }
-        at = self.candidates.index(self.designs.compromise)
-        better = (values[at] < values[0]).all()
-        return found | ({COMPROMISE: self.names[at]} if better and len(found) > 1 else {})
+        at = compromise(values[first:], values[0])
+        return found | ({} if at is None or len(found) == 1 else {COMPROMISE: self.names[first + at]})
 
     @property
     def recommended(self) -> str:
@@ -133,13 +132,13 @@ class DesignStudy:
         return found.get(COMPROMISE) or next(iter(found.values()))
 
     def load_map(self, name: str) -> xarray.Dataset:
-        """The unmodified pair and a candidate over the torque, without deviations, as `gearcase gears --map` gives it.
+        """A candidate and its gears without modifications over the torque, as `gearcase gears --map` gives it.
 
         Takes about 9 s for the root stresses.
         """
-        states = {f"design {name}" if one == name else one: self.modifications[self.names.index(one)]
-                  for one in ("unmodified", name)}  # fmt: skip
-        return self.evaluate.load_map(states, self.designs.task.variables.sense)
+        pair, modifications = self.pairs[self.names.index(name)]
+        states = {} if modifications == pair.involute else {"unmodified": pair.involute}
+        return self.evaluate.load_map(pair, states | {f"design {name}": modifications})
 
     def exceeded(self, name: str) -> list[str]:
         """Limits that a candidate exceeds on the fine mesh cycle."""
@@ -152,7 +151,8 @@ class DesignStudy:
     def edges(self, name: str) -> list[str]:
         """Keys of a candidate at an end of their range beyond which there are other designs.
 
-        These are not 0, the start of a relief without amount, and half of the path of contact, see `relief_lengths`.
+        These are not a fixed value, 0, the start of a relief without amount, and half of the path of contact, see
+        `relief_lengths`.
         """
         pairs = list(zip(self.designs.task.variables.given, self._values(name), strict=True))
         absent = tuple(over.key.removesuffix("amount_um") for over, value in pairs if not value)
@@ -161,6 +161,7 @@ class DesignStudy:
             over.key
             for over, value in pairs
             if value
+            and len(over.values) > 1
             and not over.key.startswith(absent)
             and value in (min(over.values), max(over.values))
             and not (over.key == "both.tip_relief.length_mm" and value >= longest)
@@ -179,44 +180,106 @@ def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> Des
     ------
     SceneError, InputError : the scene or an option cannot be used, or nothing meets the limits
     """
-    graph, machine = scene_graph(loaded)
-    number = _checked(loaded, options)
-    law = machine.healthy_law_names[number]
-    laws: tuple[MeshLaw, MeshLaw] = work.build(graph.needed([law]), [law]).value(law)
-    task = _task(loaded, machine, options, laws[0])
-    evaluate = Evaluations(task, graph, law, root_step(machine, options.stage), work)
+    _check(loaded, options)
+    healthy = {"faults": [], "deviations.enabled": False}
+    scene = stage_pair(changed(loaded, healthy), options.stage)
+    laws: tuple[MeshLaw, MeshLaw] = work.build(scene.graph, [scene.takes["laws"]]).value(scene.takes["laws"])
+    task = _task(loaded, scene, options, laws[0])
+    evaluate = Evaluations(task, scene, _pairs(changed(loaded, healthy), scene, task), work)
+    if evaluate.of_levels:
+        work.build(scene.graph, [scene.takes["response"]])
     designs = search(evaluate, task, quiet=work.quiet)
-    given = machine.layout.modifications[number]
-    involute = PairModifications(misalignment=given.misalignment)
-    known: dict[str, tuple[int | None, PairModifications]] = {"unmodified": (None, involute)}
-    if given != involute:
-        known["scene"] = None, given
-    for letter, at in enumerate(_shown(designs), ord("A")):
-        known[chr(letter)] = at, task.variables.modifications(designs.values(at))
-    pair = task.conditions.pair
+    known: dict[str, tuple[int | None, Candidate]] = {"unmodified": (None, (scene, scene.involute))}
+    if scene.given != scene.involute:
+        known["scene"] = None, (scene, scene.given)
+    unmodified = evaluate.results([(scene, scene.involute)])
+    limits = np.concatenate([one.of(unmodified) for one in task.objectives])
+    for letter, at in enumerate(_shown(designs, limits), ord("A")):
+        candidate = evaluate.candidate(designs.index[at])
+        assert candidate is not None  # it is on the front
+        known[chr(letter)] = at, candidate
+    pairs = {name: one for name, (_, one) in known.items()}
     return DesignStudy(
-        title=f"{loaded.scene.title}: stage {options.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
+        title=f"{loaded.scene.title}: stage {options.stage}, {scene.pair.label.removeprefix('gear pair ')} teeth",
         designs=designs,
         names=tuple(known),
         candidates=tuple(at for at, _ in known.values()),
-        modifications=tuple(one for _, one in known.values()),
+        pairs=tuple(pairs.values()),
         evaluate=evaluate,
-        results=evaluate.results([one for _, one in known.values()], replace(evaluate.conditions, positions=FINE)),
+        results=evaluate.results(tuple(pairs.values()), positions=FINE),
+        levels=_levels(evaluate, task, pairs, work) if evaluate.of_levels else (),
     )
 
 
-def _shown(designs: Designs) -> list[int]:
+def _pairs(loaded: LoadedScene, scene: StagePair, task: DesignTask) -> dict[tuple[int, ...], StagePair]:
+    """The pairs of all values of the stage that can be used and meet the limits of the ratio, by their numbers.
+
+    Raises
+    ------
+    SceneError, InputError : there is none
+    """
+    variables, found, most = task.variables, dict[tuple[int, ...], StagePair](), math.inf
+    if not variables.stage_columns:
+        return {(): scene}
+    for limit in task.limits:
+        most = min(most, limit.most) if limit.quantity.name == RATIO_ERROR else most
+    left_out: list[Exception] = []
+    for index in itertools.product(*(range(variables.sizes[column]) for column in variables.stage_columns)):
+        try:
+            other = changed(loaded, variables.stage_settings(index))
+            table = other.scene.stages[scene.stage - 1]
+            if 100 * abs(table.wheel_teeth / table.pinion_teeth / scene.pair.ratio - 1) <= most:
+                found[index] = stage_pair(other, scene.stage)
+        except (SceneError, GeometryError) as error:
+            left_out.append(error)
+    if not found:
+        none = InputError(f"design: no numbers of teeth meet the limit of {RATIO_ERROR}. Extend the ranges.")
+        raise left_out[0] if left_out else none
+    if left_out:
+        warnings.warn(
+            f"{len(left_out)} sets of values of the stage are no gear pairs of this machine and are left out. The "
+            f"first: {left_out[0]}",
+            SceneWarning,
+            stacklevel=3,
+        )
+    return found
+
+
+def _levels(
+    evaluate: Evaluations, task: DesignTask, pairs: Mapping[str, Candidate], work: Work
+) -> tuple[dict[str, Any], ...]:
+    """Rows of `DesignStudy.levels`."""
+    conditions = {"samples": (), "loaded": (), "positions": FINE}
+    linearised = evaluate.results(tuple(pairs.values()), at_scene=True, **conditions)
+    simulated = replace(linearised, levels=evaluate.simulated_levels(pairs, work)[:, None, None])
+    columns = {"te um": Quantity(name="te", statistic=NOMINAL).of(linearised)}
+    for one in {one.name: replace(one, statistic=NOMINAL) for one in task.quantities if one.of_level}.values():
+        columns[f"{one.name} linearised m/s2"] = one.of(linearised)
+        columns[f"{one.name} time loop m/s2"] = found = one.of(simulated)
+        columns[f"{one.name} change dB"] = 20 * np.log10(found / found[0])
+    return tuple(
+        {"design": name} | {key: float(values[number]) for key, values in columns.items()}
+        for number, name in enumerate(pairs)
+    )
+
+
+def _shown(designs: Designs, unmodified: np.ndarray) -> list[int]:
     """About `SHOWN` candidates of the front: spread along it, the best of each objective, the compromise."""
     front = designs.front.tolist()
     if len(front) <= SHOWN:
         return front
-    best = designs.objectives[designs.front].argmin(axis=0)
+    values = designs.objectives[designs.front]
+    best, middle = values.argmin(axis=0), compromise(values, unmodified)
     spread = np.linspace(0, len(front) - 1, max(SHOWN - 1 - best.size, 1)).round().astype(int)
-    at = np.unique([*spread, *best, front.index(designs.compromise)])
+    at = np.unique([*spread, *best, *([] if middle is None else [middle])])
     return [front[i] for i in at]
 
 
-def _checked(loaded: LoadedScene, options: DesignOptions) -> int:
+def _check(loaded: LoadedScene, options: DesignOptions) -> None:
+    if options.misalignment and not options.samples:
+        raise InputError(
+            f"misalignment = {1e6 * options.misalignment:g} um: is that of pairs with deviations. Set --samples 20."
+        )
     stages = loaded.scene.stages
     if not 1 <= options.stage <= len(stages):
         allowed = f"a number from 1 to {len(stages)}" if len(stages) > 1 else "1, the only stage of the scene"
@@ -230,28 +293,30 @@ def _checked(loaded: LoadedScene, options: DesignOptions) -> int:
     for name, value in [(key, getattr(options, key)) for key in least] + [("torques", one) for one in options.torques]:
         if not least.get(name, 1e-6) <= value < math.inf:
             raise InputError(f"{name} = {value}: must be a number of at least {least.get(name, 1e-6):g}.")
-    return options.stage - 1
 
 
-def _task(loaded: LoadedScene, machine: MachineModel, options: DesignOptions, law: MeshLaw) -> DesignTask:
-    number, sampled = options.stage - 1, options.samples > 0
-    pair, sense = machine.flanks[number].pair, machine.layout.pinion_senses[number]
-    radius, scene_force = pair.pinion.base_radius, machine.facts.stages[number].shown_force
+def _task(loaded: LoadedScene, scene: StagePair, options: DesignOptions, law: MeshLaw) -> DesignTask:
+    machine, layout, pair, sampled = scene.machine, scene.machine.layout, scene.pair, options.samples > 0
+    radius, number = pair.pinion.base_radius, options.stage - 1
     for torque in options.torques:
         refuse_overload(options.stage, pair, torque)
-    torques = tuple(sorted(set(options.torques))) or tuple(share * scene_force * radius for share in TORQUE_SHARES)
+    torques = tuple(sorted(set(options.torques))) or tuple(share * scene.force * radius for share in TORQUE_SHARES)
     forces = tuple(torque / radius for torque in torques)
     deflection = stiffness_curve(law, forces[-1]).transmission_error.max()  # warns if the law ends too early
     vary = options.vary or _tip_reliefs(pair, deflection)
+    highest = PASS_SHARE * machine.motion.output_rate
+    possible = machine.monitored.speed_is_known and machine.facts.stages[number].mesh_frequency <= highest
+    sensors = machine.recorded.sensors if possible else ()
+    given = tuple(map(parse_vary, vary))
     return DesignTask(
-        variables=Variables(loaded, options.stage, sense, tuple(map(parse_vary, vary))),
-        objectives=tuple(parse_quantity(text, sampled=sampled) for text in dict.fromkeys(options.minimize)),
-        limits=tuple(parse_limit(text, sampled=sampled) for text in options.limits),
+        variables=Variables(loaded, options.stage, layout.pinion_senses[number], layout.pairs[number], given),
+        objectives=tuple(parse_quantity(text, sensors, sampled=sampled) for text in dict.fromkeys(options.minimize)),
+        limits=tuple(parse_limit(text, sensors, sampled=sampled) for text in options.limits),
         conditions=Conditions(
             pair=pair,
             forces=forces,
             samples=tuple(range(options.seed, options.seed + options.samples)),
-            grade=loaded.scene.deviations.iso_grade,
+            grade=loaded.scene.deviations.iso_grade if loaded.scene.deviations.include else None,
             misalignment=options.misalignment,
         ),
         torques=torques,

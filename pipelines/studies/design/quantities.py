@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,8 +21,9 @@ STATISTICS: dict[str, Callable[[np.ndarray], np.ndarray]] = {  # of (candidate, 
     "q90": lambda values: np.quantile(values[:, 1:], 0.9, axis=1),
     "worst": lambda values: values[:, 1:].max(axis=1),
 }
-UNITS = {"pressure": "MPa", "root-stress": "MPa", "load-factor": ""}
-NAMES = ("te", "te-max", *(f"te{order}" for order in range(1, ORDERS + 1)), *LOADED)
+LEVEL, RATIO_ERROR = "level", "ratio-error"
+UNITS = {"pressure": "MPa", "root-stress": "MPa", "load-factor": "", LEVEL: "m/s2", RATIO_ERROR: "%"}
+NAMES = ("te", "te-max", *(f"te{order}" for order in range(1, ORDERS + 1)), *LOADED, LEVEL, RATIO_ERROR)
 _LIMIT = re.compile(r"\s*([\w:-]+)\s*<=\s*([-+.\w]+)\s*")
 
 
@@ -31,7 +32,9 @@ class Quantity:
     """A quantity and its statistic over the samples.
 
     te, te-max: peak-to-peak transmission error, mean and largest over the torques; te1, te2, ...: amplitude of a mesh
-    order, mean over the torques; those of `LOADED`: at the greatest torque
+    order, mean over the torques; those of `LOADED`: at the greatest torque; level, level-SENSOR: rms acceleration of
+    all sensors or of one, at the orders of the mesh frequency, root mean square over the torques;
+    ratio-error: of z2/z1 from that of the scene
     """
 
     name: str
@@ -40,9 +43,14 @@ class Quantity:
     @property
     def label(self) -> str:
         """Name with unit, for tables."""
-        unit = UNITS.get(self.name, "um")
+        unit = UNITS.get(LEVEL if self.of_level else self.name, "um")
         words = self.name if self.statistic == NOMINAL else f"{self.name} {self.statistic}"
         return f"{words} {unit}".strip()
+
+    @property
+    def of_level(self) -> bool:
+        """Whether it needs the response of the sensors."""
+        return self.name.partition("-")[0] == LEVEL
 
     def of(self, found: CandidateResults) -> np.ndarray:
         """Values (candidate,) in the unit of the label."""
@@ -50,8 +58,11 @@ class Quantity:
 
     def samples(self, found: CandidateResults) -> np.ndarray:
         """Values (candidate, sample) in the unit of the label."""
-        if self.name in LOADED:
-            return found.loaded[self.name] / (1e6 if UNITS[self.name] else 1.0)
+        if self.name in found.loaded:
+            return found.loaded[self.name] / (1e6 if UNITS[self.name] == "MPa" else 1.0)
+        if self.of_level:
+            at = [n for n, one in enumerate(found.sensors) if self.name in (LEVEL, f"{LEVEL}-{one}")]
+            return np.asarray(np.sqrt((found.levels[..., at] ** 2).mean(axis=(2, 3))))
         if self.name == "te-max":
             return 1e6 * found.peak_to_peak.max(axis=2)
         if self.name == "te":
@@ -67,8 +78,10 @@ class Limit:
     most: float
 
 
-def parse_quantity(text: str, *, sampled: bool) -> Quantity:
+def parse_quantity(text: str, sensors: Sequence[str] = (), *, sampled: bool) -> Quantity:
     """`NAME` or `NAME:STATISTIC`; without a statistic the 90 % quantile if there are samples, else the nominal value.
+
+    `sensors` are the names of the sensors of the scene.
 
     Raises
     ------
@@ -76,7 +89,13 @@ def parse_quantity(text: str, *, sampled: bool) -> Quantity:
     """
     name, colon, statistic = text.partition(":")
     statistic = statistic if colon else "q90" if sampled else NOMINAL
-    for word, known, what in ((name, NAMES, "quantity"), (statistic, STATISTICS, "statistic")):
+    names = (*NAMES, *(f"{LEVEL}-{one}" for one in sensors))
+    if not sensors and name.partition("-")[0] == LEVEL:
+        raise InputError(
+            f'{shown(text)}: no sensor is at a known speed. Set [[sensors]], a casing.model other than "none", '
+            'drive.model = "speed", and simulation.output_rate_Hz to at least 2.5 times the mesh frequency.'
+        )
+    for word, known, what in ((name, names, "quantity"), (statistic, STATISTICS, "statistic")):
         if word not in known:
             near = nearest_name(word, known)
             hint = f"Did you mean {near}? " if near else ""
@@ -86,7 +105,7 @@ def parse_quantity(text: str, *, sampled: bool) -> Quantity:
     return Quantity(name=name, statistic=statistic)
 
 
-def parse_limit(text: str, *, sampled: bool) -> Limit:
+def parse_limit(text: str, sensors: Sequence[str] = (), *, sampled: bool) -> Limit:
     """`NAME[:STATISTIC] <= NUMBER`.
 
     Raises
@@ -100,4 +119,4 @@ def parse_limit(text: str, *, sampled: bool) -> Limit:
         most = math.nan
     if parts is None or not math.isfinite(most):
         raise InputError(f'--limit "{shown(text)}": is not a limit. Write --limit "pressure <= 1200".')
-    return Limit(quantity=parse_quantity(parts[1], sampled=sampled), most=most)
+    return Limit(quantity=parse_quantity(parts[1], sensors, sampled=sampled), most=most)

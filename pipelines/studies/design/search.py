@@ -21,15 +21,17 @@ import numpy as np
 from fem.contact.faults.changed_law import modified_law
 from fem.gears.modifications import PairModifications
 from pipelines.engine.progress import reported_count
+from pipelines.engine.remaining import expected
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph, Step
 from pipelines.io.errors import InputError
 from pipelines.io.shown_text import duration
 from pipelines.runs.load_map import load_map
-from pipelines.steps import flank_candidates
+from pipelines.steps import flank_candidates, mesh_response
 from pipelines.steps.flank_candidates import LOADED, CandidateResults, Conditions
-from pipelines.studies.design.flank_variables import Variables
-from pipelines.studies.design.quantities import Limit, Quantity
+from pipelines.studies.design.design_variables import Variables
+from pipelines.studies.design.quantities import RATIO_ERROR, Limit, Quantity
+from pipelines.studies.design.stage_pair import StagePair
 
 if TYPE_CHECKING:
     import xarray
@@ -55,6 +57,11 @@ class DesignTask:
     torques: tuple[float, ...]
     seed: int
     evaluations: int
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Objectives, then quantities of the limits."""
+        return tuple(dict.fromkeys([*self.objectives, *(limit.quantity for limit in self.limits)]))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -83,33 +90,46 @@ class Designs:
                 kept.append(int(at))
         object.__setattr__(self, "front", possible[kept])
 
-    @property
-    def compromise(self) -> int:
-        """The candidate of the front with the least distance from the best of all objectives, each over its range."""
-        values = self.objectives[self.front]
-        span = np.maximum(np.ptp(values, axis=0), 1e-300)
-        return int(self.front[np.linalg.norm((values - values.min(axis=0)) / span, axis=1).argmin()])
-
     def values(self, candidate: int) -> list[Any]:
         """Values of the variables."""
         return self.task.variables.values(self.index[candidate])
 
 
-class Evaluations:
-    """Evaluates candidates, each once; results are stored as steps."""
+def compromise(values: np.ndarray, unmodified: np.ndarray) -> int | None:
+    """The nearest design to the best of all objectives, each over its range, of those that beat the unmodified pair.
 
-    def __init__(self, task: DesignTask, graph: Graph, law: str, root: Step, work: Work) -> None:
-        self._task, self._work = task, replace(work, quiet=True)
-        quantities = [*task.objectives, *(limit.quantity for limit in task.limits)]
-        names = {one.name for one in quantities} & LOADED.keys()
-        self._takes, self._graph, self._root = {"laws": law}, [*graph.needed([law]), root], root.name
-        self.start = 0.0  # seconds before the first candidate
-        if "root-stress" in names:
-            self._takes["roots"], self.start = root.name, root.seconds
-        statistics = {one.statistic for one in quantities}
+    Parameters
+    ----------
+    values, unmodified : (design, objective) and (objective,); a design must be better in every objective
+    """
+    distance = np.linalg.norm((values - values.min(axis=0)) / np.maximum(np.ptp(values, axis=0), 1e-300), axis=1)
+    distance[~(values < unmodified).all(axis=1)] = np.inf
+    at = int(distance.argmin())
+    return at if distance[at] < np.inf else None
+
+
+Candidate = tuple[StagePair, PairModifications]
+
+
+class Evaluations:
+    """Evaluates candidates, each once; results are stored as steps.
+
+    scene : the pair of the scene
+    pairs : those of the values of the stage that can be used, by the numbers of these values
+    """
+
+    def __init__(
+        self, task: DesignTask, scene: StagePair, pairs: Mapping[tuple[int, ...], StagePair], work: Work
+    ) -> None:
+        self._task, self._work, self.scene, self.pairs = task, replace(work, quiet=True), scene, pairs
+        names = {one.name for one in task.quantities}
+        self.of_levels = any(one.of_level for one in task.quantities)
+        needed = {"laws": True, "roots": "root-stress" in names, "response": self.of_levels}
+        self._takes = [name for name, used in needed.items() if used]
+        statistics = {one.statistic for one in task.quantities}
         self.conditions = replace(
             task.conditions,
-            loaded=tuple(sorted(names)),
+            loaded=tuple(sorted(names & LOADED.keys())),
             samples=task.conditions.samples if statistics != {"nominal"} else (),
         )
         self.known: dict[tuple[int, ...], tuple[np.ndarray, np.ndarray]] = {}
@@ -119,38 +139,81 @@ class Evaluations:
         """Estimated time of a candidate."""
         return SECONDS * conditions.positions * len(conditions.forces) * (1 + len(conditions.samples))
 
-    def results(self, found: Sequence[PairModifications], conditions: Conditions) -> CandidateResults:
-        """Results of modifications."""
-        step = Step(
-            name="candidates",
-            kind="candidates",
-            build=flank_candidates.build,
-            spec={"conditions": conditions, "candidates": tuple(found)},
-            takes=self._takes,
-            libraries=("numpy", "scipy", "numba"),
-            seconds=len(found) * self.seconds(conditions),
-        )
-        return self._work.build(Graph([*self._graph, step]), ["candidates"]).value("candidates")
+    @property
+    def start(self) -> float:
+        """Estimated time of what is computed once for each pair and is not stored; the casing is that of the scene."""
+        tasks = {}
+        for number, pair in enumerate(self.pairs.values()):
+            needed = pair.graph.needed(pair.takes[name] for name in self._takes)
+            for task in expected(needed, self._work.cache):
+                tasks[task.name if "casing" in task.name else (number, task.name)] = task.seconds
+        return sum(tasks.values())
 
-    def load_map(self, states: Mapping[str, PairModifications], sense: int) -> xarray.Dataset:
-        """The pair without deviations over the torque; `sense` as in `pipelines.runs.load_map.load_map`."""
-        law, pair = self._takes["laws"], self._task.conditions.pair
-        outcome = self._work.build(Graph(self._graph), [law, self._root])
-        laws = {name: modified_law(outcome.value(law)[0], pair, one) for name, one in states.items()}
-        return load_map(pair, laws, self._task.torques, outcome.value(self._root), sense=sense)
+    def results(
+        self, candidates: Sequence[Candidate], *, at_scene: bool = False, **conditions: Any
+    ) -> CandidateResults:
+        """Results of candidates at the torques of the search, or at the load of the scene; `conditions` are changed."""
+        groups: dict[StagePair, list[int]] = {}
+        for number, (pair, _) in enumerate(candidates):
+            groups.setdefault(pair, []).append(number)
+        parts = []
+        for pair, numbers in groups.items():
+            torques = [pair.force * pair.pair.pinion.base_radius] if at_scene else self._task.torques
+            forces = tuple(torque / pair.pair.pinion.base_radius for torque in torques)
+            own = replace(self.conditions, pair=pair.pair, forces=forces, **conditions)
+            step = Step(
+                name="candidates",
+                kind="candidates",
+                build=flank_candidates.build,
+                spec={"conditions": own, "candidates": tuple(candidates[number][1] for number in numbers)},
+                takes={name: pair.takes[name] for name in self._takes},
+                modules=(mesh_response.__name__,) if self.of_levels else (),
+                libraries=("numpy", "scipy", "numba"),
+                seconds=len(numbers) * self.seconds(own),
+            )
+            parts.append(self._work.build(Graph([*pair.graph, step]), [step.name]).value(step.name))
+        found = CandidateResults.joined(parts, np.argsort(np.concatenate(list(groups.values()))))
+        errors = [[100 * abs(pair.pair.ratio / self.scene.pair.ratio - 1)] for pair, _ in candidates]
+        ratios = np.broadcast_to(errors, found.peak_to_peak.shape[:2])
+        return replace(found, loaded=found.loaded | {RATIO_ERROR: ratios})
+
+    def load_map(self, pair: StagePair, states: Mapping[str, PairModifications]) -> xarray.Dataset:
+        """A pair without deviations over the torque, see `pipelines.runs.load_map.load_map`."""
+        law, root = pair.takes["laws"], pair.takes["roots"]
+        outcome = self._work.build(pair.graph, [law, root])
+        laws = {name: modified_law(outcome.value(law)[0], pair.pair, one) for name, one in states.items()}
+        sense = self._task.variables.sense
+        return load_map(pair.pair, laws, self._task.torques, outcome.value(root), sense=sense)
+
+    def simulated_levels(self, states: Mapping[str, Candidate], work: Work) -> np.ndarray:
+        """Levels (state, sensor), m/s2 rms, of pairs without deviations by the time loop, see `level_step`."""
+        found = []
+        for name, (pair, modifications) in states.items():
+            response, simulate = (pair.graph.steps[one] for one in (pair.takes["response"], "simulate"))
+            step = mesh_response.level_step(response, simulate, f"motion of {name}", modifications)
+            found.append(work.build(Graph([*pair.graph, step]), [step.name]).value(step.name))
+        return np.stack(found)
+
+    def candidate(self, index: Sequence[int]) -> Candidate | None:
+        """A candidate from the numbers of its values (variable,); None if they give no pair that can be used."""
+        variables = self._task.variables
+        pair = self.pairs.get(variables.stage_index(index))
+        return None if pair is None else (pair, variables.modifications(variables.values(index)))
 
     def __call__(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Objectives (candidate, objective) and excess (candidate, limit) of candidates (candidate, variable)."""
         rows = [tuple(int(at) for at in row) for row in index]
-        new = [row for row in dict.fromkeys(rows) if row not in self.known]
-        if new:
-            variables, task = self._task.variables, self._task
-            found = self.results([variables.modifications(variables.values(row)) for row in new], self.conditions)
+        new = {row: self.candidate(row) for row in dict.fromkeys(rows) if row not in self.known}
+        task, possible = self._task, {row: one for row, one in new.items() if one is not None}
+        for row in new:
+            self.known[row] = np.full(len(task.objectives), np.nan), np.zeros(len(task.limits))
+        if possible:
+            found = self.results(tuple(possible.values()))
             objectives = np.stack([one.of(found) for one in task.objectives], axis=1)
-            excess = np.zeros((len(new), len(task.limits)))
+            excess = np.zeros((len(possible), len(task.limits)))
             for column, limit in zip(excess.T, task.limits, strict=True):
                 column[:] = np.maximum(limit.quantity.of(found) - limit.most, 0.0) / (abs(limit.most) or 1.0)
-            self.known |= {row: pair for row, *pair in zip(new, objectives, excess, strict=True)}  # type: ignore[misc]
+            self.known |= dict(zip(possible, zip(objectives, excess, strict=True), strict=True))
         values = [self.known[row] for row in rows]
         return np.array([one[0] for one in values]), np.array([one[1] for one in values])
 
@@ -168,17 +231,19 @@ def search(evaluate: Evaluations, task: DesignTask, *, quiet: bool) -> Designs:
     ------
     InputError : no candidate meets the limits, or pymoo is not installed
     """
-    sizes = task.variables.sizes
-    total = math.prod(sizes)
+    sizes, fixed = task.variables.sizes, len(task.variables.stage_columns)
+    flanks = math.prod(size for n, size in enumerate(sizes) if n not in task.variables.stage_columns)
+    total = len(evaluate.pairs) * flanks
     with reported_count("candidates", quiet=quiet) as report:
         most = min(total, task.evaluations)
-        report.line(
-            f"{most} candidates, about {duration(evaluate.start + most * evaluate.seconds(evaluate.conditions))}"
-        )
+        words = f"{most} candidates of {len(evaluate.pairs)} gear pairs" if fixed else f"{most} candidates"
+        report.line(f"{words}, about {duration(evaluate.start + most * evaluate.seconds(evaluate.conditions))}")
         if total <= task.evaluations:
-            every = np.stack(np.unravel_index(np.arange(total), sizes), axis=1)
+            every = np.stack(np.unravel_index(np.arange(math.prod(sizes)), sizes), axis=1)
+            possible = [row for row in every if task.variables.stage_index(row) in evaluate.pairs]
+            possible.sort(key=task.variables.stage_index)
             for start in range(0, total, POPULATION):
-                evaluate(every[start : start + POPULATION])
+                evaluate(np.array(possible[start : start + POPULATION]))
                 report(min(start + POPULATION, total), total)
         else:
             _evolve(evaluate, task, lambda: report(len(evaluate.known), task.evaluations))

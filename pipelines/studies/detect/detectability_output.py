@@ -45,7 +45,8 @@ def _answer(study: Detectability, noise: float) -> str:
     if not seen:
         most = max(own, key=lambda point: point.detection.detected.value)
         share = words(most.detection.detected)
-        return f"{where}, no value is detected in {100 * MOSTLY:g} % of the machines; the most is {share}."
+        mostly = f"{100 * MOSTLY:g} % of the machines with all channels"
+        return f"{where}, no value is detected in {mostly}; the most is {share}."
     found = ", ".join(f"{_values(point.values)}: {words(point.detection.detected)}" for point in seen)
     return f"{where}, {100 * MOSTLY:g} % of the simulated machines or more are detected at {found}."
 
@@ -57,7 +58,8 @@ def conditions(found: Detectability) -> str:
         f"Damage: {found.damage}; the number of the tooth increases by one from machine to machine. {design.damaged} "
         f"damaged machines per value are compared with a baseline of {design.baseline} healthy ones; {design.healthy} "
         "further healthy machines are tested for false alarms. No two machines have the same deviations. A machine is "
-        f"called damaged if its corrected p-value is at most {ALARM:g}. Intervals have 95 % confidence."
+        f"called damaged if its p-value, corrected for the number of components and channels, is at most {ALARM:g}. So "
+        "one channel alone can detect more than all together. Intervals have 95 % confidence."
     )
 
 

@@ -115,6 +115,7 @@ def housing_table(found: Superelement, written: Sequence[Path]) -> str:
             'model = "matrices"',
             *lines,
             'units = "kg-m-s"',
+            "origin_mm = [0.0, 0.0, 0.0]",
             f"bearings = [{bearings}]",
             f"grounds = [{{ nodes = [{len(found.nodes)}] }}]",
         ]

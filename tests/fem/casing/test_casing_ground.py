@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 import scipy.sparse as sp
+from factored_casing import factored
 from housings import short_housing
 from scipy.sparse.linalg import splu
 
@@ -48,20 +49,20 @@ def reduced(casing, **options):
 
 @pytest.fixture(scope="module")
 def fixed(mesh):
-    casing = assembled_casing(mesh, CAST_IRON).held()
+    casing = factored(assembled_casing(mesh, CAST_IRON))
     return casing, *reduced(casing, highest=1.5 * BAND)
 
 
 @pytest.fixture(scope="module")
 def sprung(mesh):
-    casing = assembled_casing(mesh, CAST_IRON, ground="springs").held()
+    casing = factored(assembled_casing(mesh, CAST_IRON, ground="springs"))
     return casing, *reduced(casing, highest=1.5 * BAND)
 
 
 def full_frequencies(casing, springs, highest):
     from fem.numerics.linear_solver import factorize
 
-    solve = factorize(casing.on_springs(springs)).solve
+    solve = factorize(casing.K_free + casing.rows.T @ sp.diags_array(springs) @ casing.rows).solve
     theta, _ = block_lanczos(solve, casing.M_free, smallest=(2 * np.pi * highest) ** -2)
     return 1 / (2 * np.pi * np.sqrt(theta))
 
@@ -125,7 +126,7 @@ def test_rigid_patches_leave_a_floor_that_modes_do_not_remove(mesh, fixed):
     """Against the full model without any patch: mean motion (RBE3) converges to it, rigid patches (RBE2) stay above."""
     casing = fixed[0]
     full = full_frequencies(casing, casing.springs, BAND)
-    stiff = assembled_casing(mesh, CAST_IRON, attachment="rigid").held()
+    stiff = factored(assembled_casing(mesh, CAST_IRON, attachment="rigid"))
     error = {}
     for name, held in (("mean", casing), ("rigid", stiff)):
         for factor in (1.5, 3.0):
@@ -139,7 +140,7 @@ def test_rigid_patches_leave_a_floor_that_modes_do_not_remove(mesh, fixed):
 
 def test_rigid_patches_move_as_rigid_bodies_and_pass_the_check_up(mesh):
     for ground in ("fixed", "springs"):
-        casing = assembled_casing(mesh, CAST_IRON, attachment="rigid", ground=ground).held()
+        casing = factored(assembled_casing(mesh, CAST_IRON, attachment="rigid", ground=ground))
         reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=5)
         assert check_up(casing, reduction).failures == ()
     unit = casing.expanded(casing.interface.rows.T.toarray()[:, -5:]).reshape(-1, 3, 5)
@@ -151,7 +152,7 @@ def test_rigid_patches_move_as_rigid_bodies_and_pass_the_check_up(mesh):
 def test_axes_that_carry_nothing_cost_no_coordinates(mesh, fixed):
     """A body without some axes is the larger one with these axes free of force."""
     loaded = dict.fromkeys(mesh.patches("bearing_"), ("ux", "uz"))
-    casing = assembled_casing(mesh, CAST_IRON, interfaces=loaded).held()
+    casing = factored(assembled_casing(mesh, CAST_IRON, interfaces=loaded))
     few = reduced_body(reduced(casing, highest=1.5 * BAND)[1])
     many = reduced_body(fixed[2])
     assert few.coordinate_names[:3] == ("bearing_1:ux", "bearing_1:uz", "bearing_2:ux")
@@ -164,7 +165,7 @@ def test_axes_that_carry_nothing_cost_no_coordinates(mesh, fixed):
 
 
 def test_a_single_bearing_is_enough(mesh):
-    casing = assembled_casing(mesh, CAST_IRON, interfaces={"bearing_2": BEARING_AXES}).held()
+    casing = factored(assembled_casing(mesh, CAST_IRON, interfaces={"bearing_2": BEARING_AXES}))
     reduction, modes = reduced(casing, highest=BAND)
     assert check_up(casing, reduction).failures == ()
     assert len(modes.interface_names) == 5
@@ -211,11 +212,11 @@ def test_the_law_of_inertia_counts_the_modes_that_are_found(fixed, sprung):
 
 def test_a_missed_mode_is_an_error(fixed, monkeypatch):
     casing = fixed[0]
-    held = (casing.interface, lambda: (casing.K_free, casing.M_free))
+    held = (casing.subspaces, casing.loads)
     reduction, counted = reduced_and_counted(*held, highest=1.5 * BAND)
     assert reduction.n_fixed == counted
     assert np.array_equal(reduction.modes, fixed[1].modes)  # the same numbers beside the count as without
-    monkeypatch.setattr("fem.casing.reduced.sturm_count.count_fixed_modes", lambda *_: counted + 1)
+    monkeypatch.setattr("fem.casing.reduced.halves.count_fixed_modes", lambda *_: counted + 1)
     with pytest.raises(EigenError, match=f"{counted} fixed-interface modes found below 4500 Hz, {counted + 1} exist"):
         reduced_and_counted(*held, highest=1.5 * BAND)
 
@@ -350,7 +351,7 @@ def test_rigid_patches_that_touch_are_refused(mesh):
     half = np.flatnonzero(touching == 4)[:3]
     touching[half] = 5
     with pytest.raises(AttachmentError, match="cannot both be rigid"):
-        assembled_casing(replace(mesh, facet_patch=touching), CAST_IRON, attachment="rigid").held()
+        factored(assembled_casing(replace(mesh, facet_patch=touching), CAST_IRON, attachment="rigid"))
 
 
 def test_frequencies_of_a_smooth_body_converge_with_fourth_order():
@@ -363,7 +364,7 @@ def test_frequencies_of_a_smooth_body_converge_with_fourth_order():
 
 
 def test_the_fallback_solver_gives_the_same_body(mesh, fixed):
-    casing = assembled_casing(mesh, CAST_IRON).held("superlu")
+    casing = factored(assembled_casing(mesh, CAST_IRON), "superlu")
     assert casing.interface.factor.name.startswith("SuperLU")
     _, modes = reduced(casing, highest=1.5 * BAND)
     body, expected = reduced_body(modes), reduced_body(fixed[2])

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 import skfem
+from factored_casing import factored
 from housings import angle_casing, small_housing
 
 from fem.casing.mesh.finished_mesh import RawMesh, finished_mesh
@@ -55,7 +56,7 @@ def block_mesh():
 
 
 def block(ground, count=0, **options):
-    casing = assembled_casing(block_mesh(), BLOCK, ground=ground).held()
+    casing = factored(assembled_casing(block_mesh(), BLOCK, ground=ground))
     reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=count, enrich=bool(count))
     return reduced_body(casing_modes(casing, reduction, model="static", band_limit=0.0), **options)
 
@@ -97,7 +98,7 @@ def test_rigid_feet_share_the_weight_by_the_law_of_the_lever():
 @pytest.mark.parametrize("attachment", ["mean", "rigid"])
 def test_the_feet_of_a_casing_carry_its_weight_and_what_stands_in_its_seats(ground, attachment):
     """Forces along x, y, z at the bearings come out of the feet; few modes, or stiffer elements, change nothing."""
-    casing = assembled_casing(angle_casing("tetrahedron-10"), CAST_IRON, ground=ground, attachment=attachment).held()
+    casing = factored(assembled_casing(angle_casing("tetrahedron-10"), CAST_IRON, ground=ground, attachment=attachment))
     reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=2)
     modes = casing_modes(casing, reduction, model="craig-bampton", band_limit=0.0)
     push = {"bearing_1:ux": 300.0, "bearing_2:uy": -500.0, "bearing_2:uz": -700.0, "bearing_1:rx": 20.0}

@@ -11,6 +11,7 @@ from housings import housing_for_shafts, small_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
 from fem.casing.geometry.housing_features import Fillets, Flange, Ribs, Walls
+from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.gmsh_mesh import mesh_housing, session
 from fem.casing.mesh.housing_solid import build_solid
 from fem.casing.mesh.mesh import MeshError
@@ -273,3 +274,14 @@ def test_sensor_axes_must_be_orthonormal():
     Sensor(name="sensor_1", position=(0, 0, 0), axes=((0, 1, 0), (-1, 0, 0), (0, 0, 1)))
     with pytest.raises(HousingError, match="they are not orthogonal"):
         Sensor(name="sensor_1", position=(0, 0, 0), axes=((1, 0, 0), (1, 1, 0), (0, 0, 1)))
+
+
+def crash(*_):
+    os.abort()
+
+
+def test_a_crash_of_the_mesher_is_an_error_with_a_remedy(monkeypatch):
+    """gmsh ends its process on some flat tetrahedra, so that the mesher works in its own."""
+    monkeypatch.setattr("fem.casing.mesh.gmsh_mesh.mesh_housing", crash)
+    with pytest.raises(MeshError, match=r"^the mesher crashed \(SIGABRT\); set another casing.element_size_mm"):
+        mesh_geometry(small_housing(), Sizes(element=0.04))

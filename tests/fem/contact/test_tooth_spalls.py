@@ -15,7 +15,7 @@ from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.faults.changed_law import damaged_law
 from fem.contact.faults.pitted_tooth import PittedTooth
-from fem.contact.faults.spalled_tooth import SpalledTooth
+from fem.contact.faults.spalled_tooth import SpalledTooth, edge_compliance
 from fem.contact.faults.worn_tooth import WornTooth
 from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid
@@ -74,6 +74,40 @@ def test_a_shallow_spall_is_as_deep_as_it_is(laws):
     gap = spall.gap(law, SPUR, "pinion")
     assert gap.max() == pytest.approx(4e-6, rel=1e-9)
     assert (spall.gap(laws["spur"][1], SPUR, "pinion") == 0.0).all()  # the other flank is whole
+
+
+@pytest.mark.parametrize("inside", [-1.0, -0.5, 0.0, 1.0, 4.0])
+def test_a_rim_is_as_soft_as_the_edge_of_an_elastic_half_plane(inside):
+    """Contact of a parabola beside a sharp edge, solved with constant pressures on strips; E*, rho, b are 1."""
+    ends = np.append(0.0, np.geomspace(1e-6, 2.2, 500))
+    place, width, load, datum = (ends[1:] + ends[:-1]) / 2, np.diff(ends), np.pi / 4, 100.0
+    apart = place[:, None] - ends
+    whole = apart * (np.log(np.abs(apart) / datum) - 1)
+    sinks = 2 / np.pi * np.diff(whole, axis=1)  # integral of -ln over each strip, from place - end
+    on = np.full(place.size, True)
+    while True:
+        n = np.count_nonzero(on)
+        matrix = np.block([[sinks[np.ix_(on, on)], -np.ones((n, 1))], [width[on][None], np.zeros((1, 1))]])
+        *pressure, approach = np.linalg.solve(matrix, np.append(-((place[on] + inside) ** 2) / 2, load))
+        if min(pressure) > 0:
+            break
+        on[np.flatnonzero(on)[np.array(pressure) <= 0]] = False
+    hertz = load / np.pi * (2 * np.log(2 * datum) + 1)
+    rim = approach - max(inside, 0.0) ** 2 / 2 - hertz
+    assert rim == pytest.approx(load / np.pi * edge_compliance(np.array(inside), 0.5, 0.0), abs=0.005 * load)
+
+
+def test_a_rim_softens_only_where_the_mate_rests_on_it(laws):
+    """Nothing where the contact is more than b beside the spall, or in it where the rim is out of reach."""
+    law, spall = laws["spur"][0], SpalledTooth(height=1.2e-3, length=6e-3, depth=30e-6, position=3e-3)
+    added = spall.compliance(law, SPUR, "pinion")
+    assert (added[law.face_coordinate < -0.5e-3] == 0.0).all()
+    xi = law.position_start + law.position_step * np.arange(law.gap.size)
+    assert (added[:, np.abs(xi) > 0.5] == 0.0).all()
+    slender = SpalledTooth(height=2e-3, length=6e-3, depth=5e-6, position=3e-3, shape="rectangle")
+    assert (slender.compliance(law, SPUR, "pinion")[:, np.abs(xi) < 0.1] == 0.0).all()
+    assert (spall.compliance(laws["spur"][1], SPUR, "pinion") == 0.0).all()
+    assert added.max() > law.contact_slope
 
 
 def test_a_rim_that_the_mate_does_not_reach_bridges_nothing(laws):

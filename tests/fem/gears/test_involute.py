@@ -8,7 +8,7 @@ import pytest
 from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur, line_length, pair_of_17_and_43
 from fem.gears.gear import Gear
 from fem.gears.gear_checks import GeometryError
-from fem.gears.geometry import GearPair
+from fem.gears.geometry import GearPair, sum_of_shifts
 from fem.gears.path import LARGEST_GAP, contact_window, path_points, slice_fraction
 from fem.gears.profile import flank_at_roll, form_radius, half_tooth_profile, roll_length
 from fem.gears.rack import Rack
@@ -63,6 +63,10 @@ def test_backlash_is_what_the_centre_distance_leaves():
     assert sum(tight.working_thicknesses) == pytest.approx(tight.working_pitch, rel=1e-12)
     wider = gear_pair((20, 55), 2, 12, 12, (0.3, -0.1), centre_mm=1000 * tight.centre_distance + 0.1)
     assert wider.backlash == pytest.approx(2 * 1e-4 * math.sin(wider.working_pressure_angle), rel=0.01)
+    teeth, module, angles = 75, 2e-3, (math.radians(12), math.radians(20))
+    assert sum_of_shifts(teeth, module, *angles, tight.axis_distance) == pytest.approx(0.2, abs=1e-9)
+    with pytest.raises(GeometryError, match="sum of the base radii"):
+        sum_of_shifts(teeth, module, *angles, 0.9 * tight.axis_distance)
     with_allowance = gear_pair((20, 55), 2, 12, 12, (0.3, -0.1), backlash_allowance=60e-6)
     assert with_allowance.backlash == pytest.approx(60e-6, rel=1e-9)
 

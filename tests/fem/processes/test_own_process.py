@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fem.processes.own_process import bounded_memory, opened_in_own_process
+from fem.processes.own_process import bounded_memory, call_in_own_process
 
 FILE = Path("any.step")
 
@@ -20,7 +20,7 @@ class TornError(Exception):
 
 
 def apart(call, *arguments):
-    return opened_in_own_process(FILE, TornError, "export it again", call, *arguments)
+    return call_in_own_process("any.step: the library that reads it", TornError, "export it again", call, *arguments)
 
 
 def test_the_result_is_that_of_the_call():

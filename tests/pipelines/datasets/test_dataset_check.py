@@ -168,7 +168,7 @@ def test_every_way_to_vary_has_its_words(tmp_path):
     ).replace('["healthy", "missing"]', '{ values = ["healthy", "missing"], weights = [1.0, 3.0] }')
     plan = plan.replace("simulation.end_s", 'casing.material.elastic_modulus_GPa = "$iron"\nsimulation.end_s')
     text = summarised(make_dataset(tmp_path / "ways", plan)).to_text()
-    assert "norm of scipy.stats (loc 110, scale 5), cut off from 100" in text
+    assert "norm of scipy.stats (loc 110, scale 5), only from 100" in text
     assert "one of healthy (25 %), missing (75 %)" in text
     assert max(len(line) for line in text.splitlines()) <= 100
 

@@ -295,6 +295,7 @@ def test_words_of_a_scene_cannot_break_the_page(tmp_path):
     text, _ = written(tmp_path, contents)
     assert "<script>alert" not in text
     assert "a&lt;b" in text
+    assert typeset("`gearcase detect` finds it") == "<code>gearcase detect</code> finds it"
     assert typeset("2 f_m - f_r at sensor_3") == "2 <i>f</i><sub>m</sub> - <i>f</i><sub>r</sub> at sensor_3"
 
 

@@ -5,10 +5,11 @@ import pytest
 import xarray
 from synthetic import MESH, WHEEL
 
+from pipelines.diagnosis.known_damage import Case
 from pipelines.diagnosis.verdict import Evidence, Finding, Verdict
 from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.scene_kinematics import kinematics_of
-from pipelines.report.first_screen import over_teeth, shown_gear
+from pipelines.report.first_screen import first_screen, over_teeth, shown_gear
 from pipelines.scene.load_scene import load_scene
 from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.orders.kinematics import Gear
@@ -53,15 +54,15 @@ def test_the_tooth_that_knocks_stands_in_the_middle_of_an_average_from_it(tooth,
     assert np.abs(value[np.abs(place) > 2]).max() < 0.1  # the hum, five times as strong as the knock, is gone
 
 
-def finding(component):
+def finding(component, damaged):
     evidence = Evidence(features=("fm4",), sensor="a", axis="z", increase=9.0, deviation=9.0, limit=6.0, p=1e-6)
-    return Finding(component=component, evidence=evidence, damaged=True, repeating=True, alike=(), tooth=3)
+    return Finding(component=component, evidence=evidence, damaged=damaged, repeating=True, alike=(), tooth=3)
 
 
 @pytest.mark.parametrize(("damaged", "shown"), [(True, "stage 1 pinion"), (False, "stage 1 wheel")])
 def test_the_average_is_that_of_the_gear_that_is_damaged(damaged, shown):
     machine = checked_machine(load_scene("bench").scene, "bench")
-    findings = (finding("stage 1 pinion"), finding("stage 1 wheel"))
+    findings = tuple(finding(f"stage 1 {gear}", damaged) for gear in ("pinion", "wheel"))
     verdict = Verdict(
         findings=findings,
         different=damaged,
@@ -78,4 +79,10 @@ def test_the_average_is_that_of_the_gear_that_is_damaged(damaged, shown):
         left_out=(),
         not_examined=(),
     )
+    text = "".join(
+        first_screen(
+            machine, None, (), (), "", [Case(load="torque", deviations="off", window="steady", verdict=verdict)]
+        )
+    )
+    assert ("begins at tooth 3" in text) == damaged
     assert shown_gear(machine, verdict, kinematics_of(machine.layout, ())).name == shown
