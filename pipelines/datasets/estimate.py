@@ -21,7 +21,7 @@ from pipelines.io.shown_text import duration
 from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.checks.cost import cost
 from pipelines.machine.checks.cost import words as size_words
-from pipelines.machine.checks.design_warnings import spall_warnings
+from pipelines.machine.checks.design_warnings import load_warnings, spall_warnings
 from pipelines.machine.machine_model import MachineModel
 from pipelines.steps.machine_steps import machine_steps
 
@@ -64,7 +64,7 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     refused: list[SceneError | ExpressionError] = []
     distinct: dict[str, Step] = {}
     found: Counter[str] = Counter()
-    doubtful: list[str] = []  # a warning of each scene whose label its signals may not show
+    doubtful: list[str] = []  # a warning of each scene whose label its signals may not show, or whose gears rattle
     seconds = size = 0.0
     looked = sampled[:MOST_LOOKED_AT]
     for one in looked:
@@ -75,7 +75,7 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
             refused.append(error)
             continue
         found[labels(machine)["label"]] += 1
-        doubtful += list(spall_warnings(machine))[:1]
+        doubtful += [*spall_warnings(machine), *load_warnings(loaded.scene, machine.layout)][:1]
         motion = cost(machine)
         seconds += motion.seconds
         size += _STORED_SHARE * _SAMPLE_BYTES * motion.samples * _stored_channels(plan, machine, motion.channels)

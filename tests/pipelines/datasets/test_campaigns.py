@@ -3,6 +3,7 @@
 import contextlib
 import errno
 import json
+import re
 import shutil
 
 import numpy as np
@@ -12,6 +13,7 @@ from serial_executor import InOrder
 import pipelines.datasets.job as job_module
 from pipelines.datasets.campaign import run_campaign
 from pipelines.datasets.campaign_scenes import sampled_scenes, scene_of
+from pipelines.datasets.estimate import estimate
 from pipelines.datasets.folder import find_begun, held, identity_facts
 from pipelines.datasets.job import Job, work
 from pipelines.datasets.labels import labels
@@ -135,6 +137,14 @@ def test_faults_of_shafts_are_labelled_with_their_size(tmp_path, kind):
         found = labels(make_machine(scene_of(plan, one.values).scene))
         assert (found["label"], found["severity"]) == (kind, one.values["size"])
         assert "shaft" in found["places"]
+
+
+def test_the_estimate_names_the_scenes_without_load(tmp_path):
+    varied = "[variables]\nmass = [0.0, 50.0]"
+    text = f'scene = "minimal"\ndesign = "grid"\n{varied}\n[settings]\nload.container_kg = "$mass"\n'
+    plan = load(tmp_path, text)
+    found = estimate(plan, sampled_scenes(plan)).text
+    assert re.search("doubtful +1; the first: load.* without load the teeth lose contact", found)
 
 
 @pytest.mark.parametrize(
