@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 else:
     FurtherChannel = Literal[tuple(FURTHER)]
 
+HIGHEST_RATE = 200e3  # Hz, of the results
+
 
 @dataclass(frozen=True, kw_only=True)
 class MotionSettings:
@@ -23,7 +25,7 @@ class MotionSettings:
         10e3,
         unit="Hz",
         gt=0,
-        le=200000,
+        le=HIGHEST_RATE,
         text="sampling rate of the results, after the anti-alias filter",
     )
     step: float = option(

@@ -14,7 +14,7 @@ EXAMPLE = """\
 gearcase dataset info campaigns/plan
 ...
   labels   6 healthy
-  split    4 train, 2 test; every run is a separate group
+  split    4 train, 2 test; 6 groups of one scene, all with the same pair of gears (deviations.seed is constant)
 ..."""
 ACTIONS = {  # one line; text; example with what it prints
     "info": (
@@ -29,7 +29,7 @@ gearcase dataset info campaigns/plan
   runs     6: 6 done
 ...
   labels   6 healthy
-  split    4 train, 2 test; every run is a separate group
+  split    4 train, 2 test; 6 groups of one scene, all with the same pair of gears (deviations.seed is constant)
 ...""",
     ),
     "check": (

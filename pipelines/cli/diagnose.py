@@ -149,7 +149,7 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
         if not options.json:
             yield f"report of {name}: {written}" if several else f"\nreport: {written}"
     if several:
-        written = write_trend_page(target / "report.html", names, judged, order, timed, courses)
+        written = write_trend_page(target / "report.html", names, judged, refused, order, timed, courses)
         if not options.json:
             yield f"trend: {written}"
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from pipelines.signals.orders.kinematics import Kinematics
     from pipelines.signals.orders.order_spectra import Waterfall
 
+STEADY = 0.01  # relative range of the speeds up to which amplitudes over speed have no meaning
 SPEEDS = 9  # at which a Campbell diagram has natural frequencies
 AXES = ("x", "y", "z")
 HELP = """\
@@ -114,8 +115,11 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     title = f"{read.title}: {read.place}"
     figures = {
         "orders": waterfall_figure(found, title, read.units, top=2.2 * max(inside, default=found.line[-1] / 2.2)),
-        "order-cuts": cuts_figure(found, inside, title, read.units),
     }
+    if np.ptp(found.speed) <= STEADY * found.speed.max():
+        words += f"\nThe speed is constant within {100 * STEADY:g} %: there is no picture of amplitudes over speed."
+    else:
+        figures["order-cuts"] = cuts_figure(found, inside, title, read.units)
     if read.loaded is not None and options.campbell:
         flat = frequency_waterfall(*parts, shaft=read.shaft)
         ratio = make_drivetrain(read.loaded.scene).layout.shaft_ratios[int(read.shaft.removeprefix("shaft_")) - 1]

@@ -68,11 +68,17 @@ def group_variables(table: PlanTable) -> tuple[str, ...]:
 
     Two scenes with the same deviations of the teeth are the same gear pair, which a classifier recognises.
     """
-    if table.split.by is not None:
+    if table.split.by:
         return table.split.by
     found = [text for path, text in table.references() if path == SEED_PATH]
     names = [name for text in found for name in Expression(text[1:]).names]
     return tuple(dict.fromkeys(names))
+
+
+def group_words(by: Sequence[str]) -> str:
+    """The groups of the split by their variables, in words."""
+    alone = "groups of one scene, all with the same pair of gears (deviations.seed is constant)"
+    return f"groups of equal {', '.join(by)}" if by else alone
 
 
 def split_groups(table: PlanTable, groups: Sequence[str], cases: Sequence[tuple[str, ...]]) -> dict[str, str]:

@@ -169,7 +169,11 @@ def _counts(found: Summary) -> Grid:
 
 def _split_words(found: Summary) -> str:
     if not found.groups_by:
-        return f"Every run is a separate group: {found.groups} groups, assigned to the parts by the seed of the plan."
+        return (
+            f"Every run is a separate group: {found.groups} groups, assigned to the parts by the seed of the plan. "
+            "`deviations.seed` is constant, so that all runs have the same pair of gears. A test does not show how a "
+            "classifier performs on other gears; vary `deviations.seed` in the plan for that."
+        )
     by = ", ".join(f"`{name}`" for name in found.groups_by)
     return (
         f"Runs with equal {by} are one group ({found.groups} groups), and a group is in one part only. Train on "

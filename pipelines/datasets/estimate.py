@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pipelines.datasets.campaign_scenes import SampledScene, group_variables, scene_of
+from pipelines.datasets.campaign_scenes import SampledScene, group_variables, group_words, scene_of
 from pipelines.datasets.expressions import ExpressionError
 from pipelines.datasets.labels import labels
 from pipelines.datasets.plan import Plan
@@ -21,7 +21,7 @@ from pipelines.io.shown_text import duration
 from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.checks.cost import cost
 from pipelines.machine.checks.cost import words as size_words
-from pipelines.machine.checks.design_warnings import spall_warnings
+from pipelines.machine.checks.design_warnings import load_warnings, spall_warnings
 from pipelines.machine.machine_model import MachineModel
 from pipelines.steps.machine_steps import machine_steps
 
@@ -64,7 +64,7 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     refused: list[SceneError | ExpressionError] = []
     distinct: dict[str, Step] = {}
     found: Counter[str] = Counter()
-    doubtful: list[str] = []  # a warning of each scene whose label its signals may not show
+    doubtful: list[str] = []  # a warning of each scene whose label its signals may not show, or whose gears rattle
     seconds = size = 0.0
     looked = sampled[:MOST_LOOKED_AT]
     for one in looked:
@@ -75,7 +75,7 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
             refused.append(error)
             continue
         found[labels(machine)["label"]] += 1
-        doubtful += list(spall_warnings(machine))[:1]
+        doubtful += [*spall_warnings(machine), *load_warnings(loaded.scene, machine.layout)][:1]
         motion = cost(machine)
         seconds += motion.seconds
         size += _STORED_SHARE * _SAMPLE_BYTES * motion.samples * _stored_channels(plan, machine, motion.channels)
@@ -88,13 +88,12 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     share = runs / len(looked)
     messages = tuple(" ".join(str(error).replace("\n", ";", 1).split()) for error in refused)
     different = len({json.dumps(one.values) for one in sampled})
-    groups_by = group_variables(plan.table)
+    by = group_words(group_variables(plan.table))
     parts = Counter(one.split for one in sampled)
     kinds = Counter(_PARTS.get(step.kind, step.kind) for step in distinct.values())
     missing = sum(step.seconds for step in distinct.values() if not _stored(step, cache))
     files = 1 + len(plan.table.signals or CASING_SIGNALS)  # of a run: its row, and one of every signal
     part = "" if len(looked) == runs else f" (of the first {len(looked)} scenes)"
-    by = f"groups of equal {', '.join(groups_by)}" if groups_by else "every scene is a separate group"
     lines = [
         f"scenes      {runs}{'' if different == runs else f', {different} of them distinct'}",
         f"labels      {_counted(found)}{part}",

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
@@ -40,6 +41,7 @@ _LOG = logging.getLogger(__name__)
 FEATURE_ROWS = "feature_rows"
 FEATURES = "features.parquet"
 ENDINGS = (".parquet", ".csv")
+_NAMED = 3  # signals that a warning names
 Window = tuple[float, float]
 Progress = Callable[[int, int], None]
 
@@ -73,25 +75,42 @@ class FeatureSource:
     def frames(self, executor: Executor, on_progress: Progress) -> Iterator[pandas.DataFrame]:
         """The rows of every signal. A signal without features is added to `failures`, with the reason.
 
-        At the end these and the shafts without features are logged.
+        At the end these are logged, once for each reason, and the shafts and features that some signals lack.
 
         Raises
         ------
         InputError : no signal has features; the message states the reason for the first one
         """
-        found, lacking = False, dict[str, list[str]]()  # names of signals and reasons, by shaft and its gears
+        found, lines = 0, Counter[tuple[str, str]]()  # signals with features, in total and by component and feature
+        lacking, refused = dict[str, list[str]](), dict[str, list[str]]()  # signals, by shaft and its gears; by reason
         for key, name, table, failure in self._computed(executor, on_progress):
             if table is None:
                 self.failures[str(name)] = failure
+                refused.setdefault(failure.removeprefix(f"{shown(str(name))}: "), []).append(shown(str(name)))
                 continue
             for shaft, _, reason in (one.partition(": ") for one in table.left_out):
                 lacking.setdefault(shaft, []).append(f"{key} {shown(str(name))}: {reason}")
             yield _frame(key, name, table.columns())
-            found = True
+            found += 1
+            lines.update(table.lines)
         for shaft, signals in lacking.items():
             _LOG.warning("no features of %s in %d signals. The first: %s", shaft, len(signals), signals[0])
-        for name, failure in list(self.failures.items())[0 if found else 1 :]:  # the first is the error below
-            _LOG.warning("no features of %s: %s", shown(name), failure)
+        few = [
+            f"{component} {feature} (in {count} of {found})"
+            for (component, feature), count in lines.items()
+            if count < found and not any(component in shaft for shaft in lacking)
+        ]
+        if few:
+            _LOG.warning(
+                "features that some signals lack: %s. Too few of their orders are within the spectrum and differ from "
+                "multiples of the shaft speeds, or their shaft has no features",
+                ", ".join(few),
+            )
+        for reason, names in list(refused.items())[0 if found else 1 :]:  # the first is the error below
+            some = ", ".join(names[:_NAMED]) + ", ..." * (len(names) > _NAMED)
+            _LOG.warning(
+                "no features of %d of %d signals, %s: %s", len(names), found + len(self.failures), some, reason
+            )
         if not found:
             raise InputError(next(iter(self.failures.values()), "There is no finished run. Repeat the campaign."))
 

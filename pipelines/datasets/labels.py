@@ -28,7 +28,16 @@ COLUMNS = {  # meaning of all columns of a data set that are not variables of it
     "seconds": "computing time of the run, s",
     "loop_seconds": "part of it in the time loop, s",
 }
-_SIZES = ("depth_mm", "depth_um", "unbalance_g_mm", "eccentricity_um", "bow_um")  # of faults; zero without the fault
+_SIZES = {  # key of the size that determines the effect, by kind of fault
+    "chipped-tooth": "depth_mm",
+    "cracked-tooth": "depth_mm",
+    "spalled-tooth": "height_mm",
+    "pitted-tooth": "density",
+    "worn-tooth": "depth_um",
+    "bearing-spall": "width_mm",
+    "unbalance": "unbalance_g_mm",
+    "bent-shaft": "bow_um",
+}
 
 
 def labels(machine: MachineModel) -> dict[str, Any]:
@@ -39,7 +48,7 @@ def labels(machine: MachineModel) -> dict[str, Any]:
     """
     written = machine.labels
     faults = json.loads(written["faults"])
-    size = next((key for key in _SIZES if faults and faults[0].get(key) is not None), None)
+    size = _SIZES.get(faults[0]["kind"]) if faults else None
     return {
         "label": written["state"],
         "places": "; ".join(machine.fault_words) or HEALTHY,

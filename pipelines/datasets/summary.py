@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pipelines.datasets.campaign_scenes import group_words
 from pipelines.datasets.columns import counted, read_columns
 from pipelines.datasets.rows import DONE
 from pipelines.datasets.run_warnings import run_warnings
@@ -47,15 +48,13 @@ class Summary:
         layout, plan = self.facts["layout"], self.facts["facts"]["plan"]
         seconds = layout["samples"] / layout["rate"]
         missing = f"; without a row: {stretches(self.missing)}" if self.missing else ""
-        by = ", ".join(self.groups_by)
-        kept = f"{self.groups} groups of equal {by}" if by else "every run is a separate group"
         lines = [
             self.title,
             f"  runs     {self.runs}: {words(self.statuses)}{missing}",
             f"  signals  {', '.join(one['name'] for one in layout['signals'])}; {seconds:g} s at {layout['rate']:g} Hz",
             f"  bytes    {self.bytes / 1e6:.1f} MB of signals",
             f"  labels   {words(self.labels)}",
-            f"  split    {words(self.splits)}; {kept}",
+            f"  split    {words(self.splits)}; {self.groups} {group_words(self.groups_by)}",
             f"  design   {design_words(plan)}",
             *(f"  warnings {text}" for text in self.warnings or ("none",)),
         ]

@@ -77,7 +77,8 @@ class RecordedContents:
 
     def names(self) -> str:
         """Names of the channels, for messages."""
-        return ", ".join(shown(channel.name, 60) for channel in self.channels[:20]) or "none"
+        names = [shown(channel.name, 60) for channel in self.channels[:20]]
+        return ", ".join(names + ["..."] * (len(self.channels) > 20)) or "none"
 
 
 def date_of(text: str) -> date:

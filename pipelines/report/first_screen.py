@@ -216,7 +216,8 @@ def _average(
         f"{gear.shaft.replace('_', ' ')} in the window {window}, without the mesh orders (residual signal)."
     )
     if reference is not None:
-        caption += " Below: this run minus the healthy run, the effect of the fault alone."
+        alone = ", the effect of the fault alone" if machine.fault_words else ""
+        caption += f" Below: this run minus the healthy run{alone}."
     if marked is None:
         place = place + middle
     else:

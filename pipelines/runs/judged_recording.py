@@ -139,6 +139,8 @@ def recorded_parts(
     """
     from pipelines.diagnosis.comparison.compared_recording import compared_recording
     from pipelines.recordings.read_recording import read_recording
+    from pipelines.signals.features.recording_features import FeatureError
+    from pipelines.signals.orders.rotation import RotationError
 
     last, asked = recording_and_window(sources[-1])
     known, windows = machine_of(last, machine)
@@ -146,10 +148,12 @@ def recorded_parts(
     parts = []
     for source in sources:
         file, asked = recording_and_window(source)
+        own = requested_windows(source, asked, chosen)
         with read_recording(file, known) as recording:
-            parts.append(
-                compared_recording(shown(source), recording, known.kinematics, requested_windows(source, asked, chosen))
-            )
+            try:
+                parts.append(compared_recording(shown(source), recording, known.kinematics, own))
+            except (FeatureError, RotationError) as error:
+                raise InputError(f"{shown(source)}: {error}") from error
     return parts
 
 
@@ -234,7 +238,7 @@ def requested_windows(source: str | Path, asked: str, windows: Windows | None) -
     start, colon, end = asked.partition(":")
     try:
         if colon:
-            return {asked: (float(start), float(end))}
+            return {"the window": (float(start), float(end))}
     except ValueError:
         pass
     names = f", or {', '.join(shown(name) for name in windows)}" if windows else ""
@@ -296,16 +300,12 @@ def read_features(
             for name, (start, end) in (windows or {}).items()
         }
         settings = FeatureSettings(kinematics=machine.kinematics, windows=windows, complete=noise is not None)
-        for name, (start, end) in windows.items():
-            if start >= end:
+        beyond = time[-1] + 1.5 * (time[-1] - time[-2])  # the recording ends one step after its last sample
+        for start, end in windows.values():
+            if not time[0] <= start < end < beyond:
                 raise InputError(
-                    f"{shown(path)}: {name} from {start:g} to {end:g} s must end after its start. Set a "
-                    "later end or an earlier start."
-                )
-            if start < time[0] or end > 2 * time[-1] - time[-2]:
-                raise InputError(
-                    f"{shown(path)}: {name} from {start:g} to {end:g} s is not within the recording, {time[0]:.6g} to "
-                    f"{time[-1]:.6g} s. Select a window within it: {shown(path)}@START:END"
+                    f"{shown(path)}: the window from {start:g} to {end:g} s is not within the recording, {time[0]:.6g} "
+                    f"to {time[-1]:.6g} s. Select a window within it, its start before its end: {shown(path)}@START:END"
                 )
         try:
             rotation = rotation_of(recording, machine.kinematics)
@@ -375,6 +375,7 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile], refused: Itera
     from pipelines.diagnosis.impacts import CLEAR
     from pipelines.diagnosis.verdict_words import STRENGTH, answer, strength
     from pipelines.signals.features.feature_table import WHOLE
+    from pipelines.signals.orders.rotation import percent
 
     rows: list[dict[str, str]] = []
     for name, one in zip(names, found, strict=True):
@@ -391,7 +392,7 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile], refused: Itera
         evidence = f"impacts dB (limit {CLEAR:g})" if one.verdict is None else STRENGTH
         known = {
             "rpm": f"{60 * table.speed[0]:.5g}",
-            "known to %": f"{100 * one.recorded.error:.1g}",
+            "known to %": percent(one.recorded.error),
             "rms m/s2": f"{rms:.3g}",
         }
         named = zip(("answer", "strongest evidence", evidence), result, strict=True)

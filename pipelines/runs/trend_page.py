@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
 
@@ -15,7 +15,13 @@ from pipelines.runs.judged_recording import JudgedFile, files_grid
 
 
 def write_trend_page(
-    path: Path, names: Sequence[str], judged: Sequence[JudgedFile], order: str, timed: bool, courses: Sequence[Course]
+    path: Path,
+    names: Sequence[str],
+    judged: Sequence[JudgedFile],
+    refused: Mapping[str, str],
+    order: str,
+    timed: bool,
+    courses: Sequence[Course],
 ) -> Path:
     """Write the page as one HTML file with its figures inside; returns the path.
 
@@ -23,6 +29,7 @@ def write_trend_page(
     ----------
     path : of the file; the page of recording 1 is 1/report.html in its folder
     names, judged : of the recordings, in the order of the trend
+    refused : name -> reason, of those that cannot be judged
     order, timed : this order in words, and whether it is that of time
     courses : from `pipelines.runs.judged_recording.courses_of`
     """
@@ -31,7 +38,8 @@ def write_trend_page(
     links = ", ".join(
         f'<a href="{number}/report.html">{number} {html.escape(name)}</a>' for number, name in enumerate(names, 1)
     )
-    body = [page.heading(title, 1), page.paragraph(order), page.table(files_grid(names, judged)), f"<p>{links}</p>"]
+    body = [page.heading(title, 1), page.paragraph(order), page.table(files_grid(names, judged, refused))]
+    body += [*(page.paragraph(f"Refused: {reason}") for reason in refused.values()), f"<p>{links}</p>"]
     for unit, group in groupby(courses, key=lambda one: one.unit):
         what = LEVELS.get(unit, unit.capitalize())
         own = list(group)

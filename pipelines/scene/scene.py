@@ -76,6 +76,8 @@ class Scene(Table):
         """The model that is selected for every effect."""
         chosen = {name: getattr(value, "model", None) for name, value in self}
         found: dict[str, str | list[str]] = {name: model for name, model in chosen.items() if model is not None}
+        bearings = (one.model for shaft in self.shafts for one in shaft.bearings or (self.bearings,))
+        found["bearings"] = list(dict.fromkeys(bearings))
         return {"mesh": [stage.mesh.model for stage in self.stages], **found, "integrator": self.simulation.integrator}
 
     @property
@@ -232,7 +234,8 @@ class Scene(Table):
             elif end > self.simulation.end_s:
                 yield (
                     f"diagnosis.windows_s.{name} = [{start:g}, {end:g}]: the window ends after simulation.end_s = "
-                    f"{self.simulation.end_s:g}. Reduce its end, or raise simulation.end_s"
+                    f"{self.simulation.end_s:g}. Reduce its end, raise simulation.end_s, or run with --set "
+                    "diagnosis.windows_s={} for signals without diagnosis"
                 )
 
 

@@ -214,6 +214,11 @@ def _record(scene: Scene, layout: TrainLayout) -> Iterator[str]:
                 f"harmonics of the mesh frequency of stage {number}, {facts.mesh_frequency:.1f} Hz. Raise it to "
                 f"{4 * HARMONICS * facts.mesh_frequency:.0f}"
             )
+    yield from load_warnings(scene, layout)
+
+
+def load_warnings(scene: Scene, layout: TrainLayout) -> Iterator[str]:
+    """A machine without load, whose gears rattle."""
     if not any(layout.resisting_torques):
         key, remedy = scene.load.without_load
         yield f"{key}: without load the teeth lose contact and rattle in their backlash. {remedy}"

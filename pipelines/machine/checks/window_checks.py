@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from mbd.integrators.settings import HIGHEST_RATE
 from mbd.parts.speed_drive import SpeedProfile
 from pipelines.io.errors import Problem
 from pipelines.machine.machine_model import Drivetrain
@@ -14,6 +15,8 @@ from pipelines.scene.scene import Scene
 from pipelines.scene.tables.torques import RPM
 from pipelines.signals.analysis import SPEED_TOLERANCE, DiagnosisError, DiagnosisSettings, envelope_band
 from pipelines.signals.spectrum import FEWEST_REVOLUTIONS, SpectrumError, whole_revolutions
+
+_NO_WINDOWS = "diagnosis.windows_s={} for signals without diagnosis"
 
 
 def bad_windows(scene: Scene, machine: Drivetrain) -> Iterator[Problem]:
@@ -43,12 +46,14 @@ def bad_windows(scene: Scene, machine: Drivetrain) -> Iterator[Problem]:
             yield from _uneven_window(scene, settings, profile, name, window)
     highest = settings.highest_line
     if highest >= rate / 2:
+        enough = math.ceil(4 * highest)
+        lower = f"Reduce drive.speeds_rpm: {enough} would be needed, {HIGHEST_RATE:g} is possible"
         yield Problem(
             "simulation.output_rate_Hz",
             f"the diagnosis of stage {scene.diagnosis.stage} needs lines up to {highest:.4g} Hz "
             f"({max(settings.mesh_harmonics)} f_m and {settings.sideband_orders} sidebands), above half of the rate, "
             f"{rate / 2:.4g} Hz",
-            f"Set {math.ceil(4 * highest)} or more, 4 times the highest line",
+            f"Set {enough} or more, 4 times the highest line" if enough <= HIGHEST_RATE else lower,
             f"{rate:g}",
         )
     try:
@@ -80,8 +85,7 @@ def _short_window(
         f"diagnosis.windows_s.{name}",
         f"has {held:.1f} revolutions of {_gear(scene)}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",
         f"Set a window of {(FEWEST_REVOLUTIONS + bool(cut)) / frequency:.2f} s or more, or run with --set "
-        "diagnosis.windows_s={} for signals without diagnosis. To replace a window inherited by extends, "
-        "set one of the same name",
+        f"{_NO_WINDOWS}. To replace a window inherited by extends, set one of the same name",
         f"[{window[0]:g}, {window[1]:g}]",
     )
 
@@ -100,7 +104,7 @@ def _uneven_window(
             f"diagnosis.windows_s.{name}",
             f"the mean speed of the motors in this window is {mean:.4g} rpm. The diagnosis of {_gear(scene)} needs the "
             f"highest speed, {profile.highest:.4g} rpm within {100 * SPEED_TOLERANCE:g} %",
-            _steady(scene, profile),
+            f"{_steady(scene, profile)}. Or run with --set {_NO_WINDOWS}",
             f"[{window[0]:g}, {window[1]:g}]",
         )
 

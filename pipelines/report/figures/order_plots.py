@@ -28,6 +28,7 @@ def waterfall_figure(found: Waterfall, title: str, units: str, *, top: float | N
     figure = new_figure(5.6)
     axes = figure.subplots()
     _draw(axes, found, units, top)
+    axes.ticklabel_format(useOffset=False)
     dress(
         axes,
         title,

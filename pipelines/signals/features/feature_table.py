@@ -111,29 +111,35 @@ def confirmed(tables: Sequence[FeatureTable]) -> list[FeatureTable]:
             for name, reason in own.items()
             if reason and not (reason.endswith(NO_SIDEBANDS) and name in also)
         }
-        found.append(_without(table, left, tuple(dict.fromkeys(left.values()))))
+        dropped = {line for line in table.lines if line[0] in left}
+        found.append(_without(table, dropped, tuple(dict.fromkeys(left.values()))))
     return found
 
 
 def with_common_components(tables: Sequence[FeatureTable]) -> list[FeatureTable]:
-    """The tables with the components that all of them have; the others are added to `left_out`.
+    """The tables with the features that all of them have; the others are added to `left_out`.
 
-    The reason is that of the first recording that lacks the component.
+    The reason for a shaft is that of the first recording that lacks it.
     """
     tables = confirmed(tables)
-    common = set.intersection(*(set(table.component) for table in tables))
+    common = set.intersection(*(set(table.lines) for table in tables))
     reasons = dict(one.split(": ", 1) for table in reversed(tables) for one in table.left_out)
+    lacking: dict[str, list[str]] = {}  # features by component, of shafts that no recording lacks
+    for component, feature in dict.fromkeys(line for table in tables for line in table.lines if line not in common):
+        if not any(component in shaft for shaft in reasons):
+            lacking.setdefault(component, []).append(BY_NAME[feature].words)
+    unlike = tuple(f"{component}: not all recordings have its {', '.join(them)}" for component, them in lacking.items())
     found = []
     for table in tables:
         here = {one.partition(": ")[0] for one in table.left_out}
         elsewhere = tuple(f"{name}: in another recording {why}" for name, why in reasons.items() if name not in here)
-        found.append(_without(table, set(table.component) - common, elsewhere))
+        found.append(_without(table, set(table.lines) - common, (*unlike, *elsewhere)))
     return found
 
 
-def _without(table: FeatureTable, components: Container[str], reasons: tuple[str, ...]) -> FeatureTable:
-    """A table without components, with the reasons."""
-    kept = [number for number, component in enumerate(table.component) if component not in components]
+def _without(table: FeatureTable, lines: Container[tuple[str, str]], reasons: tuple[str, ...]) -> FeatureTable:
+    """A table without lines, with the reasons."""
+    kept = [number for number, line in enumerate(table.lines) if line not in lines]
     return replace(
         table,
         component=tuple(table.component[number] for number in kept),

@@ -304,10 +304,10 @@ def _left_out(
             needed = (FEWEST_TURNS + 1) * (end - start) / max(turns * shaft.ratio, 1e-9)
             reason = f"{turns * shaft.ratio:.2g} turns in a window, {needed:.3g} s would be needed"
             if (uncertain := rotation.error * turns * shaft.ratio) > QUARTER:
-                remedy = "set speed_rpm in place of speed, or " if kinematics.gears else ""
+                remedy = ", or set speed_rpm in place of speed if the speed can be found from the lines of the teeth"
                 reason = (
-                    f"its angle is known to {uncertain:.2g} turns, and averages need {QUARTER:g}: {remedy}record a "
-                    "tachometer"
+                    f"its angle is known to {uncertain:.2g} turns, and averages need {QUARTER:g}: record a tachometer"
+                    f"{remedy if kinematics.gears else ''}"
                 )
             words.append(f"{_named(shaft.name, kinematics)}: {rotation.conditional.get(shaft.name, reason)}")
     return tuple(words)

@@ -106,8 +106,9 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
         f"stage {stage} has a steady phase, shaft 1 does not turn at {60.0 * nominal:.5g} rpm within "
         f"{100 * RANGE:g} %, its speed changes by more than {change:.3g} Hz per second, or strong impacts of a bearing "
         "or tooth hide the mesh orders. Give a machine file with another speed_rpm, or, if there are impacts, with "
-        "speed and its uncertainty, such as speed = { rpm = 1460, uncertainty_percent = 2 }. Or record a tachometer, "
-        "or cut the recording to a part at steady speed."
+        "speed and its uncertainty, such as speed = { rpm = 1460, uncertainty_percent = 2 }. Or record a tachometer "
+        'or the speed, such as speed = { channel = "n", units = "rpm" }, which a run-up needs, or cut the recording to '
+        "a part at steady speed."
     )
     angle, _, _ = _tracked(signals, angle, orders, size, unsteady, most=1)
     angle = _at_best_speed(signals, angle, rate, kinematics)

@@ -43,7 +43,7 @@ class Rotation:
     @property
     def origin(self) -> str:
         """Uncertainty and source of the speed, and the shafts of conditional speed, as text behind a speed."""
-        known = f" (known to {100 * self.error:.1g} %)" if self.error else ""
+        known = f" (known to {percent(self.error)} %)" if self.error else ""
         conditional = "".join(
             f" The speed of {shaft} is conditional: {reason}." for shaft, reason in self.conditional.items()
         )
@@ -53,3 +53,8 @@ class Rotation:
     def turns(self) -> float:
         """Turns of the first shaft from the first to the last sample."""
         return float(self.angle[-1] - self.angle[0]) / (2.0 * np.pi)
+
+
+def percent(error: float) -> str:
+    """A relative uncertainty as text, in %."""
+    return "< 0.001" if 0.0 < error < 1e-5 else f"{100 * error:.1g}"

@@ -3,6 +3,7 @@
 import contextlib
 import errno
 import json
+import re
 import shutil
 
 import numpy as np
@@ -12,6 +13,7 @@ from serial_executor import InOrder
 import pipelines.datasets.job as job_module
 from pipelines.datasets.campaign import run_campaign
 from pipelines.datasets.campaign_scenes import sampled_scenes, scene_of
+from pipelines.datasets.estimate import estimate
 from pipelines.datasets.folder import find_begun, held, identity_facts
 from pipelines.datasets.job import Job, work
 from pipelines.datasets.labels import labels
@@ -135,6 +137,31 @@ def test_faults_of_shafts_are_labelled_with_their_size(tmp_path, kind):
         found = labels(make_machine(scene_of(plan, one.values).scene))
         assert (found["label"], found["severity"]) == (kind, one.values["size"])
         assert "shaft" in found["places"]
+
+
+def test_the_estimate_names_the_scenes_without_load(tmp_path):
+    varied = "[variables]\nmass = [0.0, 50.0]"
+    text = f'scene = "minimal"\ndesign = "grid"\n{varied}\n[settings]\nload.container_kg = "$mass"\n'
+    plan = load(tmp_path, text)
+    found = estimate(plan, sampled_scenes(plan)).text
+    assert re.search("doubtful +1; the first: load.* without load the teeth lose contact", found)
+
+
+@pytest.mark.parametrize(
+    ("fault", "key"),
+    [
+        ("kind = 'spalled-tooth', height_mm = '$size', length_mm = 5.0, depth_um = 200.0", "height_mm"),
+        ("kind = 'chipped-tooth', depth_mm = '$size', extent_mm = 5.0", "depth_mm"),
+        ("kind = 'worn-tooth', depth_um = '$size'", "depth_um"),
+    ],
+)
+def test_the_severity_of_a_tooth_fault_is_the_size_that_determines_its_effect(tmp_path, fault, key):
+    faults = f"faults = [{{ stage = 1, gear = 'pinion', tooth = 3, {fault} }}]"
+    varied = "[variables]\nsize = { from = 0.5, to = 1.5 }"
+    plan = load(tmp_path, f'scene = "minimal"\nscenes = 2\n{varied}\n[settings]\n{faults}\n')
+    for one in sampled_scenes(plan):
+        found = labels(make_machine(scene_of(plan, one.values).scene))
+        assert (found["severity"], found["severity_key"]) == (one.values["size"], key)
 
 
 def test_a_machine_without_the_folder_sends_the_same_bits(whole, tmp_path):

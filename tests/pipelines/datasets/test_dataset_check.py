@@ -9,6 +9,7 @@ import pytest
 from datasets import PLAN, make_dataset, signals
 
 from pipelines.cli.main import main
+from pipelines.datasets.campaign_scenes import group_words
 from pipelines.datasets.dataset_check import check_dataset
 from pipelines.datasets.rows import TABLE, read_row, row_path, write_row, write_table
 from pipelines.datasets.store import SIGNALS, chunk_path, write_run
@@ -146,6 +147,7 @@ def test_info_counts_what_is_there(folder, capsys):
     assert "uniform from 600 to 1500" in text
     assert "one of healthy, missing" in text
     assert "groups of equal seed" in text
+    assert group_words(()).endswith("all with the same pair of gears (deviations.seed is constant)")
     found = summarised(folder)
     assert sum(found.labels.values()) == sum(found.splits.values()) == 6
     assert found.bytes > 5 * 6 * 4000 * 4 * 0.1

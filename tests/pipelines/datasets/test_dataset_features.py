@@ -188,7 +188,7 @@ def test_files_of_a_folder_are_one_table_and_one_without_features_is_named(tmp_p
     np.save("records/short.npy", mesh[:300])
     arguments = ["features", "records", "--machine", "bench.toml", "--processes", "1", "--out", "table.csv"]
     assert main(arguments) == 0
-    assert "no features of records/short.npy: " in caplog.text
+    assert "no features of 1 of 3 signals, records/short.npy: " in caplog.text
     with open("table.csv", encoding="utf-8") as file:
         assert {line.split(",")[0].strip('"') for line in file} == {"recording", "records/a.npy", "records/b.npy"}
     caplog.clear()
@@ -203,6 +203,17 @@ def test_files_of_a_folder_are_one_table_and_one_without_features_is_named(tmp_p
     assert main([*arguments[:1], "records/short.npy", "nosuch", *arguments[2:]]) == 2
     said = caplog.text + capsys.readouterr().err
     assert said.count("nosuch: no result here") == said.count("records/short.npy: ") == 1
+    caplog.clear()
+    assert main(["features", "records", "--processes", "1"]) == 2
+    assert not caplog.text  # the reason is the same for all and stated once
+    assert capsys.readouterr().err.count("the machine is not known") == 1
+    (tmp_path / "slow.toml").write_text(
+        "teeth = [[20, 31]]\nrate_Hz = 5000\nspeed = { rpm = 1500, uncertainty_percent = 0.05 }\n"
+        "bearings = [{ name = 'DE', shaft = 1, BPFO = 0.55, BPFI = 5.415 }]\n"
+    )
+    np.save("records/short.npy", mesh[:4000])
+    assert main([*arguments[:3], "slow.toml", *arguments[4:]]) == 0
+    assert "features that some signals lack: DE BPFO pass_order (in 2 of 3). " in caplog.text
     assert main([*arguments[:-1], "table.txt"]) == 2
     assert main(["features", "bench.toml", "--machine", "bench.toml"]) == 2
 

@@ -45,6 +45,11 @@ def test_a_spall_that_is_nowhere_is_refused(change, message):
         scene(OUTER | change)
 
 
+def test_the_models_of_a_scene_are_those_of_its_bearings_and_not_the_unused_default():
+    own = {"shafts.1.bearings": [BENCH["bearings"]] * 2, "bearings": {"model": "linear"}}
+    assert load_scene("minimal", own).scene.models()["bearings"] == ["hertz", "linear"]
+
+
 def test_a_spall_needs_rolling_elements():
     with pytest.raises(SceneError, match=r'has the model linear.*Set bearings.model = "hertz"'):
         scene(OUTER, bearings={"model": "linear"})

@@ -7,6 +7,7 @@ import pytest
 
 from pipelines.cli.main import main
 from pipelines.diagnosis.impacts import CLEAR
+from pipelines.io.errors import InputError
 from pipelines.runs.judged_recording import file_facts, file_words, files_grid, judge_files
 from pipelines.signals.features.passing import PASSING, pass_levels
 
@@ -73,6 +74,38 @@ def test_the_speed_that_the_multiples_of_the_shaft_show_is_stated_if_no_other_is
     assert abs(facts["speed_rpm"] / (60.0 * SPEED) - 1.0) < 1e-3
     assert facts["speed_uncertainty_percent"] < 1.0
     assert "the multiples of the shafts in the envelope determine it better" in facts["turning"]
+
+
+def test_a_window_can_end_with_the_recording_and_not_later(tmp_path):
+    """Rounded times of samples end before 2 s: the last one plus one step is 1.9999999999999998 s."""
+    rate = 20000
+    judged(tmp_path, np.random.default_rng(1).standard_normal(2 * rate), MACHINE.replace("12000", str(rate)))
+    files = tmp_path / "record.npy", (), tmp_path / "machine.toml"
+    assert next(judge_files([files[0]], *files[1:], window=(0.1, 2.0))).recorded.turning.count("0.1 to 2 s") == 1
+    for window in ((0.1, 2.0001), (2.0, 3.0), (1.0, 0.5)):
+        with pytest.raises(InputError, match=rf"from {window[0]:g} to {window[1]:g} s is not within the recording"):
+            next(judge_files([files[0]], *files[1:], window=window))
+
+
+def test_orders_at_constant_speed_have_no_picture_over_speed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    judged(tmp_path, unbalanced(np.random.default_rng(1)))
+    assert main(["orders", "record.npy", "--machine", "machine.toml", "--orders", "1", "--out", "seen"]) == 0
+    assert "The speed is constant within 1 %: there is no picture of amplitudes over speed." in capsys.readouterr().out
+    assert [one.name for one in (tmp_path / "seen").iterdir()] == ["orders.png"]
+
+
+def test_orders_of_a_run_up_without_tachometer_name_the_file_and_ask_for_the_speed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    time = np.arange(round(RATE * SECONDS)) / RATE
+    turn = 2 * np.pi * (20.0 * time + 2.0 * time**2)
+    random = np.random.default_rng(1)
+    judged(tmp_path, np.cos(20 * turn) + 0.1 * random.standard_normal(len(time)))
+    (tmp_path / "gears.toml").write_text("teeth = [[20, 31]]\nspeed_rpm = 1740\nrate_Hz = 12000\n", encoding="utf-8")
+    assert main(["orders", "record.npy", "--machine", "gears.toml"]) == 2
+    message = capsys.readouterr().err
+    assert "record.npy: the speed cannot be found" in message
+    assert 'speed = { channel = "n", units = "rpm" }, which a run-up needs' in message
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -65,7 +65,8 @@ def test_without_all_times_the_order_is_the_given_one_and_healthy_recordings_giv
 
 def test_the_page_of_a_trend_has_its_figures_and_the_pages_of_its_recordings(folder, capsys):
     names = [record(f"{day}.npz", size, day, day) for day, size in enumerate(SIZES[2:4], 1)]
-    assert main(["diagnose", *names, "--machine", "machine.toml", "--out", "seen"]) == 0
+    Path("cut.csv").write_text("t,a\n0,1\n0.1\n", encoding="utf-8")
+    assert main(["diagnose", *names, "cut.csv", "--machine", "machine.toml", "--out", "seen"]) == 0
     rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith("DE BPFI")]
     assert re.fullmatch(r"DE BPFI +impacts dB +- +20.00 +2 +[\d.]+ +[\d.]+", rows[-1])
     shown = Path("seen/report.html").read_text(encoding="utf-8")
@@ -75,6 +76,7 @@ def test_the_page_of_a_trend_has_its_figures_and_the_pages_of_its_recordings(fol
     links = re.findall('<a href="([^"]+)"', shown)
     assert links == ["1/report.html", "2/report.html"]
     assert all(Path("seen", link).is_file() for link in links)
+    assert "<p>Refused: cut.csv: " in shown
 
 
 def test_the_title_of_a_panel_is_within_the_figure(folder):

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -28,6 +29,7 @@ from pipelines.machine.checks.strength import (
     torques_along,
     torsions,
 )
+from pipelines.machine.checks.window_checks import bad_windows
 from pipelines.machine.layout import lay_out
 from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.machine.scene_bearings import bearing_points, bearing_specs
@@ -327,6 +329,16 @@ def test_a_step_above_the_sampling_interval_is_a_warning_with_the_step_used(step
     scene = load_scene("minimal", {"simulation.step_us": step}).scene
     found = design_warnings(scene, make_drivetrain(scene))
     assert any("step_us = 500 is above the sampling interval" in t and "is 100 us" in t for t in found) == warned
+
+
+@pytest.mark.parametrize(
+    ("rpm", "remedy"),
+    [(50_000.0, r"Set \d+ or more, 4 times"), (180_000.0, r"Reduce drive.speeds_rpm: \d+ would be needed, 200000 is")],
+)
+def test_the_remedy_for_high_speeds_is_a_rate_only_where_it_is_possible(rpm, remedy):
+    scene = load_scene("minimal", {"drive.speeds_rpm": [0.0, rpm, rpm]}).scene
+    found = {one.path: one.remedy for one in bad_windows(scene, make_drivetrain(scene))}
+    assert re.match(remedy, found["simulation.output_rate_Hz"])
 
 
 def test_a_window_in_the_run_up_is_a_warning_where_nothing_is_compared():

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import xarray
 
-from pipelines.signals.features.feature_table import confirmed, with_common_components
+from pipelines.signals.features.definitions import BY_NAME
+from pipelines.signals.features.feature_table import _without, confirmed, with_common_components
 from pipelines.signals.features.recording_features import FeatureError, recording_features
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 from pipelines.signals.orders.rotation import RotationError
@@ -139,6 +140,19 @@ def test_a_recording_that_shows_both_shafts_confirms_the_teeth_for_those_that_sh
     assert apart.lines == whole.lines == one.lines
     assert apart.left_out[-1].endswith("another number of teeth")
     assert "stage 1 wheel" in whole.left_out[-1]
+
+
+def test_recordings_are_compared_by_the_features_that_all_of_them_have():
+    """Mesh orders can be beyond the spectrum at one speed, and lines of a bearing at multiples of the shafts."""
+    machine = train(*PAIR)
+    recording, _ = vibration(machine)
+    whole = recording_features(recording, machine, rotation_of(recording, machine))
+    missing = {("stage 1 pinion", "sideband_ratio")}
+    found = with_common_components([whole, _without(whole, missing, ())])
+    assert found[0].lines == found[1].lines
+    assert set(whole.lines) - set(found[0].lines) == missing
+    words = f"stage 1 pinion: not all recordings have its {BY_NAME['sideband_ratio'].words}"
+    assert [one.left_out for one in found] == [(words,)] * 2
 
 
 # ---- a known speed
