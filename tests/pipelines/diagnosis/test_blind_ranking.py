@@ -293,7 +293,7 @@ def test_recordings_without_features_of_any_component_are_refused_with_the_reaso
     bare = dataclasses.replace(MACHINE, bearings=())
     tables = [recording_features(recording(seed), bare, unsure) for seed in range(103, 109)]
     with pytest.raises(
-        BaselineError, match=r"no shaft, gear or bearing .* averages need 0\.25: set speed_rpm .*Set another"
+        BaselineError, match=r"no shaft, gear or bearing .* averages need 0\.25: record a .*set speed_rpm .*Set another"
     ):
         judge(tables[0], tables[1:], bare)
 
