@@ -74,8 +74,7 @@ class DesignStudy:
     candidates : of each its number in `designs`, None for the first ones
     pairs : of each, with its modifications
     results : of each, with `FINE` positions in the mesh cycle
-    levels : a row for each at the load of the scene, its levels by the linearised machine and by the time loop; empty
-        if no quantity is a level
+    levels : a row for each (none without levels): by the linearised machine and by the time loop, at the scene's load
     evaluate : computes more of them
 
     >>> import gearcase
