@@ -36,8 +36,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUES",
         action="append",
         help="modification to vary, as GEAR.KEY=LOW:HIGH[:STEP] or GEAR.KEY=A,B,C with GEAR pinion, wheel or both; or "
-        "a value of the stage at the same centre distance, as face_width_mm=18:24:2 (also teeth, module, angles, "
-        "profile shifts); default steps 1 um and 0.1 mm; repeatable (default: tip reliefs of both gears, amounts up to "
+        "a value of the stage, as face_width_mm=18:24:2 (also teeth, module, angles, profile shifts), at constant "
+        "centre distance; default steps 1 um and 0.1 mm; repeatable (default: tip reliefs of both gears, amounts up to "
         "the deflection)",
     )
     sub.add_argument(
@@ -69,8 +69,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="N",
         type=count,
         help="number of pairs with random profile and helix deviations of ISO 1328-1, in the class of the scene, also "
-        "if deviations.enabled is false; for the effect of a misalignment alone, --set deviations.include=[] leaves "
-        "them out (default: the nominal pair only)",
+        "if deviations.enabled is false (default: the nominal pair only). To vary only the misalignment, add --set "
+        "deviations.include=[]",
     )
     sub.add_argument(
         "--misalignment",

@@ -47,17 +47,17 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         type=tilt,
         default=0.0,
         help="misalignment of the flanks over the face width: a number in um (positive: closer at the +y end), "
-        "balanced (the load is centred on the face) or machine (as in the loaded machine; without --torque). The "
-        "misalignment of the scene is added (default 0)",
+        "balanced (the load is centred on the face) or machine (as in the loaded machine; without --torque); default "
+        "0. The misalignment of the scene is always added",
     )
     sub.add_argument(
         "--out",
         metavar="FILE",
         type=path,
         help="write the curves to this file, .csv or .nc: a row for each state (healthy, or with a damaged tooth) and "
-        "position in mesh cycles. At position 0 the tooth makes contact at the pitch point. Columns: secant and "
-        "tangent stiffness; transmission error under load and without load; tilt; for each tooth pair (+0: this tooth, "
-        "+1: the next) its share of the load and largest Hertz pressure",
+        "position in mesh cycles. At position 0 a tooth, in damaged states the damaged one, makes contact at the pitch "
+        "point. Columns: secant and tangent stiffness; transmission error under load and without load; tilt; for each "
+        "tooth pair (+0: this tooth, +1: the next) its share of the load and largest Hertz pressure",
     )
     sub.add_argument(
         "--plot",

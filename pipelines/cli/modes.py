@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 HELP = """\
 Linearise the loaded machine about its static equilibrium. Print natural frequencies, damping and the share of each
-part in the total energy of each mode. The column `dominant` names the part with the largest share of the strain energy
-alone; casing and rope count with the mean of their shares of strain and kinetic energy. Takes seconds if the cache
+part in the total energy of each mode. The column `dominant` names the part with the largest share of the strain energy;
+for casing and rope the mean of strain and kinetic share is used instead. Takes seconds if the cache
 holds mesh stiffness and casing."""
 EXAMPLE = """\
 gearcase modes minimal

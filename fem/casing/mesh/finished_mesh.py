@@ -20,7 +20,6 @@ from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, curved, solid_element, solid_mesh
 from fem.numerics.connected_parts import connected_parts
 from fem.numerics.message_places import in_mm
-from fem.storage.ledger import count
 
 _log = logging.getLogger(__name__)
 
@@ -77,7 +76,6 @@ def finished_mesh(
             other = list(patches)[int(owner[members][taken][0])]
             raise MeshError(f"{name}: {patch} and {other} share {int(taken.sum())} facets; move one of them")
         owner[members] = index
-    count("casing_meshes")
     _log.info("casing mesh: %d nodes, %d elements (%s)", len(nodes), len(elements), element)
     return CasingMesh(
         nodes=nodes,

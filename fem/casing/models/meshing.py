@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from fem.casing.models.stage import CasingError, Stage
+from fem.storage.ledger import count
 
 if TYPE_CHECKING:
     from fem.casing.mesh.choose_mesher import Geometry
@@ -38,7 +39,9 @@ class Meshing(Stage):
         """The mesh with other edge lengths."""
         from fem.casing.mesh.choose_mesher import mesh_geometry
 
-        return mesh_geometry(self.housing, sizes, self.element)
+        mesh = mesh_geometry(self.housing, sizes, self.element)
+        count("casing_meshes")  # here, because the mesher may work in its own process
+        return mesh
 
     def coarser(self) -> Iterator[CoarserMeshing]:
         """Stages of meshes with larger elements, for the error estimate of this one."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +25,12 @@ from pipelines.scene.tables.housing import HousingBase
 from pipelines.scene.validation_messages import other_unit
 
 LOAD_ZONE = math.pi / 2  # from the direction of a radial load, without clearance or preload
+_LEAST = {  # by key: smallest usual value, factor from another unit, and both units
+    "amount_um": (0.05, 1e3, "mm: %g um"),
+    "length_mm": (0.01, 1e3, "m: %g mm"),
+    "depth_mm": (1e-3, 1e3, "m: %g mm"),
+    "helix_angle_deg": (0.5, 180 / math.pi, "rad: %.3g deg"),
+}
 HARMONICS = 5  # of the fastest mesh that a good record holds
 
 
@@ -32,6 +39,8 @@ def design_warnings(scene: Scene, machine: Drivetrain, diagnosed: bool = True) -
     layout = machine.layout
     return (
         *_materials(scene),
+        *(text for n, stage in enumerate(scene.stages, 1) for text in _small(stage.model_dump(), f"stages.{n}")),
+        *(text for n, fault in enumerate(scene.faults, 1) for text in _small(fault.model_dump(), f"faults.{n}")),
         *_mounts(scene),
         *_sensors(scene, layout),
         *_gears(scene, layout),
@@ -55,6 +64,15 @@ def _materials(scene: Scene) -> Iterator[str]:
             value = getattr(table, key, None)
             if remedy := other_unit(key, value):
                 yield f"{place}.{key} = {value:g}: an unusual value. {remedy.rstrip('.')}"
+
+
+def _small(tree: Any, path: str) -> Iterator[str]:
+    """Values of a table so small that they look as if they were in another unit."""
+    for key, value in tree.items() if isinstance(tree, Mapping) else ():
+        least, factor, units = _LEAST.get(key, (0.0, 1.0, ""))
+        if least and 0.0 < value < least:
+            yield f"{path}.{key} = {value:g}: an unusual value. Convert it if it is in {units % (factor * value)}"
+        yield from _small(value, f"{path}.{key}")
 
 
 def _mounts(scene: Scene) -> Iterator[str]:

@@ -268,9 +268,9 @@ def show_mesh(view: MeshView, image: Path | None = None) -> None:
 
 
 def render_stress(
-    view: GearPairView, cycle: float, teeth: Teeth, most: float, size: tuple[int, int] = (1000, 620)
+    view: GearPairView, cycle: float, teeth: Teeth, most: float, root: np.ndarray, size: tuple[int, int] = (1000, 620)
 ) -> Picture:
-    """Render loaded teeth coloured by von Mises stress; places "mesh", "pinion", "wheel", "x", "y", "z".
+    """Render loaded teeth coloured by von Mises stress; places "mesh", "pinion", "wheel", "root", "x", "y", "z".
 
     Parameters
     ----------
@@ -278,6 +278,7 @@ def render_stress(
     cycle : mesh cycle
     teeth : the loaded teeth with their stress
     most : Pa, stress at the end of the colour scale
+    root : (3,) place of the largest root stress, as the points of the teeth
     size : width and height of the picture, pixels
     """
     module = view.centre_distance * 2 / (view.pinion.teeth + view.wheel.teeth)
@@ -286,7 +287,7 @@ def render_stress(
     arrays |= {"points": teeth.points, "cells": teeth.cells, "von_mises": teeth.von_mises, "most": np.array(most)}
     sides = (("pinion", -1), ("wheel", 1))
     named = {name: np.array([pitch + side * 3.2 * module, 0.0, 0.0]) + _front(view) for name, side in sides}
-    places |= _in_scene(named, view)
+    places |= _in_scene(named | {"root": root}, view)
     return _render("stress", "stress", arrays, places, size=size, direction=_mesh_direction(view), focus=focus)[0]
 
 

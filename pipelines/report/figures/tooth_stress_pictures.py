@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
@@ -39,7 +40,7 @@ class StressView(PairStates):
     cycle: float
     names: tuple[str, ...]
     states: tuple[Teeth, ...]
-    root_stresses: tuple[float, ...]  # MPa, the largest von Mises stress of the fillets of each state
+    roots: tuple[tuple[float, np.ndarray], ...]  # of each state the largest stress of the fillets, MPa, and its place
 
 
 def teeth_in_mesh(pair: GearPair, found: LoadedTeeth) -> Teeth:
@@ -98,8 +99,11 @@ def write_teeth(teeth: Teeth, path: Path, frame: np.ndarray) -> None:
 
 def write_stress(view: StressView, path: Path) -> Path:
     """The picture."""
-    most = max(float(state.von_mises[np.unique(state.cells)].max()) for state in view.states)
-    pictures = [render_stress(view.of_state(n), view.cycle, state, most) for n, state in enumerate(view.states)]
+    most = 1e6 * max(stress for stress, _ in view.roots)
+    pictures = [
+        render_stress(view.of_state(n), view.cycle, state, most, place)
+        for n, (state, (_, place)) in enumerate(zip(view.states, view.roots, strict=True))
+    ]
     save_figure(stress_figure(view, pictures, most), path, dpi=115)
     return path
 
@@ -116,7 +120,8 @@ def stress_figure(view: StressView, pictures: Sequence[Picture], most: float) ->
     for number, (axes, picture) in enumerate(zip(boxes, pictures, strict=True)):
         _draw(axes, picture, view, number)
     scale = ScalarMappable(Normalize(0.0, most / 1e6), cmap=STRESS_COLOURS)
-    figure.colorbar(scale, ax=list(boxes), location="bottom", shrink=0.7, aspect=40).set_label("von Mises stress, MPa")
+    bar = figure.colorbar(scale, ax=list(boxes), location="bottom", shrink=0.7, aspect=40, extend="max")
+    bar.set_label("von Mises stress, MPa, to the largest of the roots")
     return figure
 
 
@@ -128,7 +133,7 @@ def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
     greatest = state.von_mises[np.unique(state.cells)].max() / 1e6
     axes.set_title(
         f"{view.names[number]}: largest von Mises stress\n{greatest:.0f} MPa with the contact, "
-        f"{view.root_stresses[number]:.0f} MPa at the roots",
+        f"{view.roots[number][0]:.0f} MPa at the roots",
         fontsize=10,
         loc="left",
     )
@@ -136,11 +141,16 @@ def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
         column, row = picture.places[gear]
         axes.text(column, row, gear, ha="center", va="center", fontsize=10, fontweight="bold",
                   bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.5})  # fmt: skip
-    handles: list[Patch | Line2D] = [Line2D([], [], color=CONTACT, lw=3, label="contact lines (shown in front)")]
+    circle = axes.scatter(*picture.places["root"], s=150, linewidths=2, facecolors="none", edgecolors="cyan",
+                          label="largest root stress")  # fmt: skip
+    contact = Line2D([], [], color=CONTACT, lw=3, label="contact lines")
+    handles: list[Artist] = [contact, circle]
     if number and view.marked:
         handles.append(Patch(color=GONE, alpha=0.6, label=view.marked))
-    axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8, frameon=False)
-    note = f"face width {1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1, not deformed"
+    axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, fontsize=8, frameon=False)
+    note = (
+        f"face width {1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1, not deformed; lines, circle in front"
+    )
     note += f"\nstress within {SMOOTHED:g} modules of a contact line is smoothed; mesh_<stage>.png gives the Hertz "
     note += "pressure there"
     if view.note and number == len(view.states) - 1:

@@ -18,7 +18,10 @@ FEWEST = 40  # runs of a campaign; half of them for the emulator
 SPECIMENS = 4  # pairs of gears of each model that is compared with the recording
 STATE, SPECIMEN = "state", "specimen"
 BEFORE, AFTER = "before", "after"
-_EXAMPLE = "Write --free KEY=LOW..HIGH with a number of the scene, such as casing.damping_ratio=0.01..0.05."
+_EXAMPLE = (
+    "Write --free KEY=LOW..HIGH with a key of the scene whose value is a number, such as "
+    "casing.damping_ratio=0.01..0.05."
+)
 
 
 @dataclass(frozen=True, kw_only=True)

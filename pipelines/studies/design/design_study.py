@@ -84,7 +84,7 @@ class DesignStudy:
     >>> found.names, len(found.designs.index), found.best()
     (('unmodified', 'A'), 15, {'te um': 'A'})
     >>> found.settings("A")["stages.1.wheel.tip_relief.length_mm"]
-    4
+    3
     """
 
     title: str

@@ -356,6 +356,19 @@ def test_mounts_of_a_casing_that_is_held_are_a_warning(ground, warned):
     assert any("mounts_N_per_um is ignored" in text for text in found) == warned
 
 
+def test_gears_and_faults_in_another_unit_are_a_warning():
+    relief = {"amount_um": 0.006, "length_mm": 0.007}
+    crack = {"kind": "cracked-tooth", "stage": 1, "gear": "wheel", "tooth": 7, "depth_mm": 0.00035}
+    given = {"stages.1.helix_angle_deg": 0.2269, "stages.1.pinion.tip_relief": relief, "faults": [crack]}
+    scene = load_scene("bench", given).scene
+    found = [text for text in design_warnings(scene, make_drivetrain(scene)) if "unusual" in text]
+    assert [text.partition(":")[2].rpartition(" in ")[2] for text in found] == [
+        "rad: 13 deg", "mm: 6 um", "m: 7 mm", "m: 0.35 mm",
+    ]  # fmt: skip
+    shipped = load_scene("bench").scene
+    assert not [text for text in design_warnings(shipped, make_drivetrain(shipped)) if "unusual" in text]
+
+
 def test_sensors_at_one_place_or_in_another_unit_are_a_warning():
     places = {"sensors.1.position_mm": [0.0, -0.08, 0.035], "sensors.2.position_mm": [0.0, -0.08, 0.035]}
     scene = load_scene("bench", places).scene

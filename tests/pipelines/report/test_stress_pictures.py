@@ -123,6 +123,8 @@ def test_the_root_stress_is_that_of_a_cantilever_on_the_fillet_and_grows_beside_
     assert [row["gear"] for row in rows] == ["pinion", "wheel"]
     for row, gear in zip(rows, (pair.pinion, pair.wheel), strict=True):
         above_root = row["diameter mm"] / 2000 - gear.root_radius
+        x, y, z = row["place"] - [(gear is pair.wheel) * pair.axis_distance, 0.0, 0.0]
+        assert [2000 * np.hypot(x, y), 1000 * z] == pytest.approx([row["diameter mm"], row["y mm"]])
         assert 0.0 < above_root < 0.8 * gear.normal_module
         assert abs(row["y mm"]) <= 500 * pair.face_width * (1 + 1e-9)
         assert 1.0 * nominal < row["root stress MPa"] < 4.0 * nominal
@@ -205,6 +207,7 @@ def blank(**places):
 
 
 PLACES = {
+    "root": (45.0, 25.0),
     "mesh": (50.0, 30.0),
     "x": (60.0, 30.0),
     "y": (50.0, 20.0),
@@ -249,7 +252,7 @@ def stress_view(pair, healthy, faulty):
         cycle=3.0,
         names=("healthy", "missing tooth"),
         states=(teeth_in_mesh(pair, healthy), teeth_in_mesh(pair, faulty)),
-        root_stresses=(31.0, 42.0),
+        roots=((31.0, np.zeros(3)), (42.0, np.zeros(3))),
     )
 
 
@@ -270,7 +273,8 @@ def test_the_stress_picture_says_what_it_shows(solved):
     said = words(stress_figure(stress_view(pair, healthy, faulty), [blank(**PLACES)] * 2, 5e8))
     for phrase in (
         "A pair: stage 1, 20/55 teeth", "mesh cycle 3", "load 1200 N", "model solid, refinement 0.6", "contact lines",
-        "von Mises stress, MPa", "missing tooth 3 of the wheel", "pinion", "wheel", "face width 12 mm", "healthy",
+        "von Mises stress, MPa", "largest root stress", "31 MPa at the roots",
+        "missing tooth 3 of the wheel", "pinion", "wheel", "face width 12 mm", "healthy",
     ):  # fmt: skip
         assert phrase in said
 
@@ -342,7 +346,7 @@ def test_the_stress_picture_is_coloured(solved):
         pytest.skip("drawn for the right hand")
     state = teeth_in_mesh(pair, faulty)
     gears = gear_view(pair, ("wheel", 3), in_mesh=True)
-    picture = drawn(render_stress, gears, 3.0, state, float(state.von_mises.max()), (400, 250))
+    picture = drawn(render_stress, gears, 3.0, state, float(state.von_mises.max()), state.points[0], (400, 250))
     image = picture.image.astype(int)
     assert (image < 250).any(axis=2).mean() > 0.3
     assert reddish(picture.image) > 20  # the edges of the missing tooth

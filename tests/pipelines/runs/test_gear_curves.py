@@ -53,7 +53,10 @@ def test_the_lengths_of_a_textbook_pair():
 
 
 def test_reliefs_beyond_half_of_the_path_repeat_shorter_ones():
-    """Gaps of overlapping linear reliefs are those of shorter reliefs of the same slope, and a constant."""
+    """Gaps of overlapping linear reliefs are those of shorter reliefs of the same slope, and a constant.
+
+    Near the start of a relief the flanks touch beside the contact point of involutes; there they differ by 0.1 %.
+    """
     gears = lay_out(load_scene("pair", SPUR).scene).pairs[0]
     points = path_points(gears, np.linspace(gears.xi_start, gears.xi_end, 101))
     half = relief_lengths(gears)[1]
@@ -62,7 +65,7 @@ def test_reliefs_beyond_half_of_the_path_repeat_shorter_ones():
         relief = FlankModifications(tip_relief=Relief(amount=20e-6 * length / half, length=length))
         return profile_gap(gears, PairModifications(pinion=relief, wheel=relief), points)
 
-    assert np.ptp(gap(1.2 * half) - gap(0.8 * half)) < 1e-12
+    assert np.ptp(gap(1.2 * half) - gap(0.8 * half)) < 2e-8
     assert np.ptp(gap(half) - gap(0.8 * half)) > 1e-6
 
 
