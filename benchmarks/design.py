@@ -104,7 +104,7 @@ def sensors() -> None:
 
     given = {"deviations.iso_grade": GRADE, "deviations.include": ["pitch", "profile", "helix"]}
     bench = gearcase.Scene.from_file("bench").changed({**given, "faults": [], "simulation.end_s": 1.2})
-    values = {"unmodified": (0, 1.0, 0), "nominal": (30, 2.0, 2), "robust": (4, 3.5, 4), "robust level": (4, 4.0, 4)}
+    values = {"unmodified": (0, 1.0, 0), "nominal": (8, 2.5, 0), "robust": (4, 3.5, 4), "robust level": (4, 4.0, 4)}
     found: dict[str, list[np.ndarray]] = {name: [] for name in values}
     for seed in MACHINES:
         skew = 1e6 * MISALIGNMENT * np.random.default_rng([seed, 6336]).uniform(-1.0, 1.0)
