@@ -117,11 +117,8 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         yield from map(str, written)
         for files in exports:
             if files[0].suffix.lower() in FREE_BODIES:
-                yield (
-                    f'\nto import {files[0].name} with casing.ground = "fixed" and casing.band_Hz of at most '
-                    f"{casing.band:g}:"
-                )
-                yield housing_table(free_body(casing), files)
+                yield f"\nto import {files[0].name}:"
+                yield housing_table(free_body(casing), files, casing.band)
 
 
 def _texts(casing: Casing, count: int) -> Iterator[str]:

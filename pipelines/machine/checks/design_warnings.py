@@ -202,10 +202,13 @@ def _record(scene: Scene, layout: TrainLayout) -> Iterator[str]:
         )
     band, highest = getattr(scene.casing, "band_Hz", None), scene.simulation.output_rate_Hz / 2
     if band is not None and highest > MODES_OVER_BAND * band:
+        imported = getattr(scene.housing, "model", None) == "matrices"
         yield (
             f"casing.band_Hz = {band:g} keeps modes of the casing to {MODES_OVER_BAND * band:g} Hz, and the signals "
             f"reach {highest:g} Hz: levels above the band are those of a casing without modes there. Raise "
-            f"casing.band_Hz to {math.ceil(highest / MODES_OVER_BAND)}, or reduce simulation.output_rate_Hz"
+            f"casing.band_Hz to {math.ceil(highest / MODES_OVER_BAND)}"
+            f"{' if the matrices have all modes of the casing to there' if imported else ''}, or reduce "
+            "simulation.output_rate_Hz"
         )
     for number, facts in enumerate(layout.stages, 1):
         if scene.simulation.output_rate_Hz < 2 * HARMONICS * facts.mesh_frequency:

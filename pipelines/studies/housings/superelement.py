@@ -99,8 +99,8 @@ def superelement(
     )
 
 
-def housing_table(found: Superelement, written: Sequence[Path]) -> str:
-    """The table [casing.housing] that imports an export from its files."""
+def housing_table(found: Superelement, written: Sequence[Path], band: float) -> str:
+    """The table [casing.housing] that imports an export, of modes for a band (Hz), from its files."""
     names = [f"{path.stem.removeprefix(f'{written[0].stem}-')}_file" for path in written[1:]]
     files = {"file": written[0], **dict(zip(names, written[1:], strict=True))}
     bearings = ", ".join(
@@ -111,6 +111,7 @@ def housing_table(found: Superelement, written: Sequence[Path]) -> str:
     lines = [f'{key} = "{path.name}"' for key, path in files.items() if key != "damping_file"]
     return "\n".join(
         [
+            f'# with casing.ground = "fixed" and casing.band_Hz of at most {band:g}, for which the file has modes',
             "[casing.housing]",
             'model = "matrices"',
             *lines,

@@ -188,7 +188,7 @@ def test_the_printed_table_imports_an_export_whose_sensors_move_as_those_of_the_
     tilted = (sensors[0], replace(sensors[1], axes=((0.0, 0.0, 1.0), (0.6, 0.8, 0.0), (-0.8, 0.6, 0.0))))
     body = reduced_body(casing.modes, sensors=tilted, stiffness_factor=FACTOR)
     exported = replace(casing, body=body)
-    text = housing_table(free_body(exported), write_casing(exported, "a casing", tmp_path / f"c{ending}"))
+    text = housing_table(free_body(exported), write_casing(exported, "a casing", tmp_path / f"c{ending}"), 1e3)
     table = MatricesHousingTable(**tomllib.loads(text)["casing"]["housing"])
     places = dict(zip(body.point_names, body.point_positions.tolist(), strict=True))
     bearings = [seat.name for seat in table.bearings]
