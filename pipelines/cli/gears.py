@@ -39,7 +39,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="N_M",
         type=positive,
         nargs="+",
-        help="torques on the pinion of each pair, N m, as in --torque 50 100 200 (default: that of the scene)",
+        help="torques on the pinion of each pair, N m, as in --torque 50 100 200 (default: that of the scene, or of "
+        "100 N/mm if it has no load)",
     )
     sub.add_argument(
         "--tilt",

@@ -14,7 +14,7 @@ from pipelines.datasets.expressions import Expression
 from pipelines.datasets.plan import Plan, PlanTable, expressions
 from pipelines.datasets.sampling import Values, sampled_values
 from pipelines.scene.load_scene import LoadedScene, Source, scene_of_merged
-from pipelines.scene.merge import Merged, merge
+from pipelines.scene.merge import Merged, leaves, merge
 
 SEED_PATH = ("deviations", "seed")
 TRAIN, TEST, VALIDATION = "train", "test", "validation"
@@ -72,6 +72,9 @@ def group_variables(table: PlanTable) -> tuple[str, ...]:
         return table.split.by
     found = [text for path, text in table.references() if path == SEED_PATH]
     names = [name for text in found for name in Expression(text[1:]).names]
+    for name, cases in table.cases.items():
+        given = [leaves(case).get(SEED_PATH) for case in cases.values()]
+        names += [name] * any(seed is not None and not isinstance(seed, str) for seed in given)
     return tuple(dict.fromkeys(names))
 
 

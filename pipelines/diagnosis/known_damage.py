@@ -96,6 +96,8 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
             evidence.append(f"{weakest} ({case.name}): {verdict_words.standing(one.evidence)}.")
             evidence += [f"{other} has the same evidence." for other in _tied(case.verdict, one)]
             evidence += _tooth_words(damage, [one.tooth for _, one in findings])
+        elif any(case.verdict.damaged for case in cases):
+            evidence.append(f"Another component has the strongest evidence: {_nearest(cases, damage)}.")
         else:
             evidence.append(f"Nearest evidence of damage: {_nearest(cases, damage)}.")
             evidence.append("`gearcase detect` finds the size of damage that is detected.")

@@ -254,7 +254,7 @@ _USUAL = {  # by the unit of a key: other units, factors, and usual values
 _TABLE = ("must be a table", "Write it as { key = value }, or write its keys below a line with its name in brackets.")
 _LIST = ("must be a list", "Write its values in square brackets, separated by commas.")
 _KINDS = {
-    "string_type": ("must be text", "Put it in quotes"),
+    "string_type": ("must be text", "Put it in quotes, in a shell as in --set 'KEY=\"VALUE\"'"),
     "bool_type": ("must be true or false", "Write true or false, without quotes."),
     "bool_parsing": ("must be true or false", "Write true or false, without quotes."),
     "dict_type": _TABLE,

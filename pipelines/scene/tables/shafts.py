@@ -65,7 +65,14 @@ class ShaftTable(Table):
     sections: Annotated[
         tuple[SectionTable, ...], Field(min_length=1, description="sections from -y to +y, without gaps")
     ]
-    bearing_positions_mm: Annotated[tuple[Number, ...], Field(min_length=1, description="y of its bearings, ascending")]
+    bearing_positions_mm: Annotated[
+        tuple[Number, ...],
+        Field(
+            min_length=1,
+            description="y of its bearings, ascending; in a parametric housing within 0.1 mm of the middle of their "
+            "bosses",
+        ),
+    ]
     bearing_supports: Annotated[
         tuple[Literal["casing", "ground"], ...],
         Field(

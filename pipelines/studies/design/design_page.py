@@ -111,7 +111,7 @@ def write_page(found: DesignStudy, path: Path) -> None:
         picture(design_figure(found), _CAPTION),
         picture(load_map_figure(found.title, found.load_map(name)), _MAP_CAPTION),
         heading(f"Design {name}"),
-        paragraph("Append these lines to the scene file, or to a file that extends it:"),
+        paragraph('Write these lines into a new file, below extends = "..." with the path of the scene:'),
         f"<pre>{html.escape(toml(found.settings(name)))}</pre>",
     ]
     with whole_file(path) as partial:

@@ -154,6 +154,22 @@ validation = 0.15
     assert counts == {"train": 12, "test": 5, "validation": 3}
 
 
+def test_a_seed_by_case_keeps_the_scenes_of_its_case_together(tmp_path):
+    cases = "".join(f"[cases.unit.{name}]\ndeviations.seed = {seed}\n" for seed, name in enumerate("ABCD", 1))
+    text = f"""scenes = 20
+[variables]
+speed = {{ from = 600.0, to = 900.0 }}
+unit = ["A", "B", "C", "D"]
+[settings]
+{SPEED}
+{cases}
+[split]
+test = 0.25
+"""
+    found = sampled_scenes(plan(tmp_path, text))
+    assert len({(one.values["unit"], one.split) for one in found}) == 4
+
+
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_every_label_has_its_share_of_every_part_of_the_split(tmp_path, seed):
     """About a third of the scenes are healthy; by chance alone a part of 4 has none of them in a fifth of all plans."""
