@@ -159,8 +159,8 @@ def test_every_problem_is_listed_at_once_with_value_limit_and_remedy(tmp_path):
         'Did you mean "plane"?',
         "stages.7": "stages.7: there is no item 7; stages has 3 items, numbered 1 to 3. Correct the number.",
         "cotrol": 'cotrol = "x": is not a key of the scene. Did you mean control?',
-        "title": "title = 3: must be text. Put it in quotes, in a shell as in --set 'KEY=\"VALUE\"'. Meaning: one line that "
-        "names the scene in every result.",
+        "title": "title = 3: must be text. Put it in quotes, in a shell as in --set 'KEY=\"VALUE\"'. Meaning: one line "
+        "that names the scene in every result.",
         "casing.band_Hz": 'casing.band_Hz = "high": must be a number in Hz. '
         "Write the number alone, without quotes and unit.",
         "simulation.container_kg": "simulation.container_kg = 3: is not a key of [simulation]. "
