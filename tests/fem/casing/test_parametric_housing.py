@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from crashing import crash
 from housings import housing_for_shafts, small_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
@@ -274,10 +275,6 @@ def test_sensor_axes_must_be_orthonormal():
     Sensor(name="sensor_1", position=(0, 0, 0), axes=((0, 1, 0), (-1, 0, 0), (0, 0, 1)))
     with pytest.raises(HousingError, match="they are not orthogonal"):
         Sensor(name="sensor_1", position=(0, 0, 0), axes=((1, 0, 0), (1, 1, 0), (0, 0, 1)))
-
-
-def crash(*_):
-    os.abort()
 
 
 def test_a_crash_of_the_mesher_is_an_error_with_a_remedy(monkeypatch):
