@@ -11,6 +11,7 @@ from fem.elements.solid_elements import SOLIDS
 from fem.processes.own_process import call_in_own_process
 
 Geometry = Housing | ImportedHousing
+FLAT = 8.0  # elements longer than so many thicknesses of the wall may crash gmsh
 _CRASHED = "set another casing.element_size_mm (with --set it overrides a --preset), or make the walls thicker"
 
 
@@ -29,4 +30,6 @@ def mesh_geometry(geometry: Geometry, sizes: Sizes, element: str = "tetrahedron-
 
     if isinstance(geometry, ImportedHousing):
         return gmsh_mesh.mesh_step(geometry, sizes, element)
-    return call_in_own_process("the mesher", MeshError, _CRASHED, gmsh_mesh.mesh_housing, geometry, sizes, element)
+    if sizes.element > FLAT * geometry.thinnest_wall:
+        return call_in_own_process("the mesher", MeshError, _CRASHED, gmsh_mesh.mesh_housing, geometry, sizes, element)
+    return gmsh_mesh.mesh_housing(geometry, sizes, element)

@@ -12,7 +12,7 @@ from housings import housing_for_shafts, small_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
 from fem.casing.geometry.housing_features import Fillets, Flange, Ribs, Walls
-from fem.casing.mesh.choose_mesher import mesh_geometry
+from fem.casing.mesh.choose_mesher import FLAT, mesh_geometry
 from fem.casing.mesh.gmsh_mesh import mesh_housing, session
 from fem.casing.mesh.housing_solid import build_solid
 from fem.casing.mesh.mesh import MeshError
@@ -278,7 +278,8 @@ def test_sensor_axes_must_be_orthonormal():
 
 
 def test_a_crash_of_the_mesher_is_an_error_with_a_remedy(monkeypatch):
-    """gmsh ends its process on some flat tetrahedra, so that the mesher works in its own."""
+    """gmsh ends its process on some flat tetrahedra, so that it meshes these in a process of its own."""
+    housing = small_housing()
     monkeypatch.setattr("fem.casing.mesh.gmsh_mesh.mesh_housing", crash)
     with pytest.raises(MeshError, match=r"^the mesher crashed \(SIGABRT\); set another casing.element_size_mm"):
-        mesh_geometry(small_housing(), Sizes(element=0.04))
+        mesh_geometry(housing, Sizes(element=1.1 * FLAT * housing.thinnest_wall))

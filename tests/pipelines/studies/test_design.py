@@ -162,6 +162,7 @@ def test_the_start_of_a_relief_without_amount_is_not_at_an_edge(start):
     assert study.edges("A") == []
 
 
+@pytest.mark.slow
 def test_the_toml_of_the_page_makes_the_recommended_design(tmp_path):
     page = tmp_path / "design.html"
     assert main(["design", "bench", "--vary", VARY[0], "--vary", VARY[1], "--out", str(page)]) == 0
@@ -264,6 +265,7 @@ def test_numbers_of_teeth_with_another_ratio_have_no_law_and_those_that_do_not_f
         found(vary=("pinion_teeth=24,26",), limits=("ratio-error <= 1",))
 
 
+@pytest.mark.slow
 def test_designs_with_less_transmission_error_but_no_lower_level_are_named():
     study = found(minimize=("te", "level"))
     loud, quiet = (
