@@ -1,4 +1,4 @@
-"""What every file of the packages holds and imports, from its text, as a page of the site: python -m benchmarks.modules."""
+"""What every file of the packages holds and imports, a page of the site: python -m benchmarks.modules."""
 
 from __future__ import annotations
 
