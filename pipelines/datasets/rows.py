@@ -1,8 +1,7 @@
 """Rows: one small file per run with its values, labels and outcome; a run is done when its row is there.
 
 A row is written after the signals of its run, aside, to the disk, and then moved into place. So what a killed worker
-leaves is no row, and the run is simulated again. Two writers of one run write the same row. The
-rows of a table may be too many for memory: they are read twice, for types and for values.
+leaves is no row, and the run is simulated again. Two writers of one run write the same row.
 """
 
 from __future__ import annotations
@@ -23,7 +22,6 @@ from pipelines.io.user_files import whole_file
 ROWS = "rows"
 TABLE = "rows.parquet"
 DONE, FAILED = "done", "failed"
-_BATCH = 2000  # rows that are in memory at once
 _NAME = re.compile(r"(\d+)\.json")
 
 
@@ -92,15 +90,25 @@ def sweep_rows(folder: Path, rows: str = ROWS) -> None:
             path.unlink(missing_ok=True)
 
 
-def write_table(folder: Path) -> int:
-    """Make the Parquet table of the rows; how many there are. Checksums stay in the rows.
+def write_table(folder: Path) -> None:
+    """Make the Parquet table of the rows, whole or not at all. Checksums stay in the rows.
 
     Raises
     ------
     OSError : it cannot be written
     InputError : a row is damaged
     """
-    return write_parquet(folder / TABLE, lambda: map(flat, read_rows(folder)))
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    with whole_file(folder / TABLE) as aside:
+        pq.write_table(pa.table(row_columns(folder)), aside)
+
+
+def row_columns(folder: Path) -> dict[str, list[Any]]:
+    """Every column of the rows, in the order of the runs; None where a row has no value."""
+    rows = [flat(row) for row in read_rows(folder)]
+    return {name: [row.get(name) for row in rows] for name in dict.fromkeys(itertools.chain(*rows))}
 
 
 def flat(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -170,62 +178,3 @@ def compute_rows(
     for folder, rows in places:
         sweep_rows(folder, rows)
     return len(left)
-
-
-def write_parquet(path: Path, rows: Callable[[], Iterable[Mapping[str, Any]]]) -> int:
-    """Write a table, whole or not at all; how many rows it has.
-
-    A column has the type of its values: text if any is text, whole numbers if all are.
-
-    Parameters
-    ----------
-    path : of the table
-    rows : gives all rows each time that it is called; plain values
-
-    Raises
-    ------
-    OSError : it cannot be written
-    """
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    fields: dict[str, Any] = {}
-    for row in rows():
-        for name, value in row.items():
-            fields[name] = _wider(fields.get(name, pa.null()), value)
-    schema = pa.schema([pa.field(name, kind) for name, kind in fields.items()])
-    count = 0
-    with whole_file(path) as aside, pq.ParquetWriter(aside, schema) as writer:
-        left = iter(rows())
-        while batch := list(itertools.islice(left, _BATCH)):
-            columns = [
-                pa.array([cell(row.get(field.name), field.type) for row in batch], field.type) for field in schema
-            ]
-            writer.write_table(pa.Table.from_arrays(columns, schema=schema))
-            count += len(batch)
-    return count
-
-
-def _wider(kind: Any, value: Any) -> Any:
-    """The type that holds a column so far and one more value."""
-    import pyarrow as pa
-
-    if value is None or kind == pa.string():
-        return kind
-    if isinstance(value, str):
-        return pa.string()
-    own = pa.bool_() if isinstance(value, bool) else pa.int64() if isinstance(value, int) else pa.float64()
-    if kind in (pa.null(), own):
-        return own
-    return pa.string() if pa.bool_() in (kind, own) else pa.float64()
-
-
-def cell(value: Any, kind: Any) -> Any:
-    """A plain value as a column of a type of Arrow holds it."""
-    import pyarrow as pa
-
-    if value is None:
-        return None
-    if kind == pa.string():
-        return value if isinstance(value, str) else json.dumps(value)
-    return float(value) if kind == pa.float64() else value
