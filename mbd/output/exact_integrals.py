@@ -43,11 +43,7 @@ class FlowWork:
         lengths = block.clock[:, LENGTH]
         for length in np.unique(lengths):
             some = lengths == length
-            whole = bool(some.all())
-            pieces = (
-                self._pieces(block.holds, block.clock) if whole else self._pieces(block.holds[some], block.clock[some])
-            )
-            self._add(float(length), pieces, block.starts if whole else block.starts[some])
+            self._add(float(length), self._pieces(block.holds[some], block.clock[some]), block.starts[some])
 
     def _pieces(self, holds: np.ndarray, clock: np.ndarray) -> np.ndarray:
         """c (step, k, signal)."""

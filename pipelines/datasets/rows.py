@@ -10,9 +10,7 @@ import itertools
 import json
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import Executor
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -122,59 +120,3 @@ def flat(row: Mapping[str, Any]) -> dict[str, Any]:
         else:
             out[name] = json.dumps(value) if isinstance(value, list) else value
     return out
-
-
-@dataclass(frozen=True, kw_only=True)
-class RowJob:
-    """A row to be computed from the stored signals of a run.
-
-    `rows` is its folder in the data set. `made_of` is what it depends on, as JSON holds it: with anything else it is
-    computed again. `computed` returns its content in the process of a worker.
-    """
-
-    folder: Path  # of the data set
-    run: int
-    rows: str
-    made_of: Mapping[str, Any]
-    computed: Callable[[], Mapping[str, Any]]
-
-    def is_stored(self) -> bool:
-        """True if the row is there and made in this way."""
-        try:
-            return read_row(self.folder, self.run, self.rows).get("made_of") == self.made_of
-        except InputError:
-            return False
-
-    def write(self) -> None:
-        """Compute the row and write it."""
-        row = {"run": self.run, "made_of": self.made_of, **self.computed()}
-        write_row(self.folder, self.run, row, self.rows)
-
-
-def compute_rows(
-    jobs: Iterable[RowJob], executor: Executor, on_progress: Callable[[int, int], None] = lambda done, total: None
-) -> int:
-    """Compute the rows that are not stored; how many. It can be stopped at any moment and goes on from there.
-
-    Parameters
-    ----------
-    jobs : all rows
-    executor : of the work
-    on_progress : called with how many of how many are done
-
-    Raises
-    ------
-    OSError : a row cannot be written
-    """
-    left, places = [], set()
-    for job in jobs:
-        places.add((job.folder, job.rows))
-        if not job.is_stored():
-            left.append(job)
-    for folder, rows in places:
-        (folder / rows).mkdir(parents=True, exist_ok=True)
-    for count, _ in enumerate(executor.map(RowJob.write, left), 1):
-        on_progress(count, len(left))
-    for folder, rows in places:
-        sweep_rows(folder, rows)
-    return len(left)

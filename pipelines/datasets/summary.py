@@ -31,12 +31,10 @@ class Summary:
     "counted."""
 
     title: str
-    runs: int
     statuses: Mapping[str, int]
     labels: Mapping[str, int]
     splits: Mapping[str, int]
     groups: int
-    groups_by: tuple[str, ...]
     missing: tuple[int, ...]
     warnings: tuple[str, ...]
     bytes: int
@@ -50,11 +48,11 @@ class Summary:
         missing = f"; without a row: {stretches(self.missing)}" if self.missing else ""
         lines = [
             self.title,
-            f"  runs     {self.runs}: {words(self.statuses)}{missing}",
+            f"  runs     {self.facts['runs']}: {words(self.statuses)}{missing}",
             f"  signals  {', '.join(one['name'] for one in layout['signals'])}; {seconds:g} s at {layout['rate']:g} Hz",
             f"  bytes    {self.bytes / 1e6:.1f} MB of signals",
             f"  labels   {words(self.labels)}",
-            f"  split    {words(self.splits)}; {self.groups} {group_words(self.groups_by)}",
+            f"  split    {words(self.splits)}; {self.groups} {group_words(self.facts['groups by'])}",
             f"  design   {design_words(plan)}",
             *(f"  warnings {text}" for text in self.warnings or ("none",)),
         ]
@@ -75,12 +73,10 @@ def summarised(folder: Path) -> Summary:
         warnings = run_warnings(folder, facts, columns["warnings"][done], columns["step_error"][done])
     return Summary(
         title=title(folder, facts),
-        runs=facts["runs"],
         statuses=counted(columns, "status"),
         labels=counted(of_done, "label"),
         splits=counted(of_done, "split"),
         groups=len({str(group) for group in columns.get("group", ()) if group}),
-        groups_by=tuple(facts["groups by"]),
         warnings=warnings,
         missing=tuple(int(run) for run in np.flatnonzero(columns["status"] == "")),
         bytes=sum(_sizes(folder / SIGNALS)),

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipelines.datasets.plan import Plan, plan_on
+from pipelines.datasets.typical_spread import put_setting
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.io.errors import InputError
 from pipelines.io.shown_text import shown
@@ -60,7 +61,7 @@ def detection_plan(loaded: LoadedScene, machine: MachineModel, design: Design) -
     damaged: dict[str, Any] = {"faults": _shifted_teeth(loaded.scene)} if loaded.scene.tooth_faults else {}
     common: dict[str, Any] = {"deviations": {"seed": f"$({loaded.scene.deviations.seed} + {SPECIMEN}) - 1"}}
     for over in design.over:
-        _put(damaged if over.first_key in healthy else common, over)
+        put_setting(damaged if over.first_key in healthy else common, over.key.split("."), f"${over.variable}")
     _, last_healthy, last = design.specimens
     return plan_on(
         loaded,
@@ -115,21 +116,12 @@ def _check(loaded: LoadedScene, machine: MachineModel, design: Design) -> None:
 
 def _shifted_teeth(scene: Scene) -> dict[str, Any]:
     """Settings that increase the number of each damaged tooth by one from machine to machine."""
+
+    def teeth(stage: int, gear: str) -> int:
+        return int(getattr(scene.stages[stage - 1], f"{gear}_teeth"))
+
     return {
-        str(number): {"tooth": f"$({fault.tooth} + {SPECIMEN}) % {_teeth(scene, fault.stage, fault.gear)}"}
+        str(number): {"tooth": f"$({fault.tooth} + {SPECIMEN}) % {teeth(fault.stage, fault.gear)}"}
         for number, fault in scene.tooth_faults.items()
         if fault.tooth is not None
     }
-
-
-def _teeth(scene: Scene, stage: int, gear: str) -> int:
-    pair = scene.stages[stage - 1]
-    return pair.pinion_teeth if gear == "pinion" else pair.wheel_teeth
-
-
-def _put(tree: dict[str, Any], over: Over) -> None:
-    """Insert a varied key into a tree of settings."""
-    *path, last = over.key.split(".")
-    for key in path:
-        tree = tree.setdefault(key, {})
-    tree[last] = f"${over.variable}"

@@ -12,8 +12,7 @@ import numpy as np
 from pipelines.datasets.campaign import run_campaign
 from pipelines.datasets.campaign_scenes import group_variables
 from pipelines.datasets.columns import as_array
-from pipelines.datasets.feature_source import dataset_rows
-from pipelines.datasets.feature_tables import stored_table
+from pipelines.datasets.feature_tables import dataset_rows, stored_table
 from pipelines.datasets.plan import Plan, plan_on, plan_tables
 from pipelines.datasets.rows import read_row
 from pipelines.datasets.typical_spread import TYPICAL, typical

@@ -97,11 +97,9 @@ def verdicts(evidence: ClaimEvidence) -> Verdicts:
     }
 
 
-def grids(found: Verdicts) -> list[Grid]:
+def grids(found: Verdicts) -> Iterator[Grid]:
     """One table per group of claims: a row per claim, a column per condition."""
-    out = []
     for heading, judged in found.items():
-        conditions = tuple(judged[0][1])
         rows = tuple(
             (
                 claim.words,
@@ -110,8 +108,7 @@ def grids(found: Verdicts) -> list[Grid]:
             )
             for claim, by_condition in judged
         )
-        out.append(Grid(title=heading, headers=("claim", "at least, dB", *conditions), rows=rows))
-    return out
+        yield Grid(title=heading, headers=("claim", "at least, dB", *judged[0][1]), rows=rows)
 
 
 def reasons(found: Verdicts) -> dict[str, str]:
