@@ -8,13 +8,13 @@ from __future__ import annotations
 import logging
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from pipelines.datasets.feature_tables import dataset_rows, stored_table
+from pipelines.datasets.feature_tables import Progress, Window, dataset_rows, stored_table
 from pipelines.datasets.signal_layout import FACTS
 from pipelines.io.errors import InputError
 from pipelines.io.shown_text import shown
@@ -32,8 +32,6 @@ _LOG = logging.getLogger(__name__)
 FEATURES = "features.parquet"
 ENDINGS = (".parquet", ".csv")
 _NAMED = 3  # signals that a warning names
-Window = tuple[float, float]
-Progress = Callable[[int, int], None]
 
 
 class FeatureSource:
@@ -71,6 +69,8 @@ class FeatureSource:
         ------
         InputError : no signal has features; the message states the reason for the first one
         """
+        import pandas as pd
+
         found, lines = 0, Counter[tuple[str, str]]()  # signals with features, in total and by component and feature
         lacking, refused = dict[str, list[str]](), dict[str, list[str]]()  # signals, by shaft and its gears; by reason
         for key, name, table, failure in self._computed(executor, on_progress):
@@ -80,7 +80,7 @@ class FeatureSource:
                 continue
             for shaft, _, reason in (one.partition(": ") for one in table.left_out):
                 lacking.setdefault(shaft, []).append(f"{key} {shown(str(name))}: {reason}")
-            yield _frame(key, name, table.columns())
+            yield pd.DataFrame({key: name, **table.columns()})
             found += 1
             lines.update(table.lines)
         for shaft, signals in lacking.items():
@@ -170,9 +170,3 @@ def _of_recording(
         return read_features(path, known, chosen, noise).table, ""
     except InputError as error:
         return None, str(error)
-
-
-def _frame(key: str, name: str | int, columns: Mapping[str, Any]) -> pandas.DataFrame:
-    import pandas as pd
-
-    return pd.DataFrame({key: name, **columns})

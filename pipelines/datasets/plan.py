@@ -17,7 +17,6 @@ faults = []
 
 from __future__ import annotations
 
-import contextlib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -102,7 +101,7 @@ class PlanTable(Table):
                 yield f"variables: {name!r} is not a valid name; use letters, digits and _, a letter first"
             elif name in COLUMNS:
                 yield f"variables: {name!r} is a column of every data set; set another name"
-            elif name not in self.cases and not any(name in names for names in self._named()):
+            elif name not in self.cases and not any(re.search(rf"\b{name}\b", text) for _, text in self.references()):
                 yield f'variables: {name!r} is not used; write "${name}" in [settings] or [cases], or delete it'
         for name in self.split.by or ():
             if name not in self.variables:
@@ -111,12 +110,6 @@ class PlanTable(Table):
             yield (
                 f"split: test and validation add up to {self.split.test + self.split.validation:g}; reduce them below 1"
             )
-
-    def _named(self) -> Iterator[tuple[str, ...]]:
-        """Names in each expression of the settings that can be parsed."""
-        for _, text in self.references():
-            with contextlib.suppress(ExpressionError):  # reported elsewhere
-                yield Expression(text[1:]).names
 
     def _cases(self) -> Iterator[str]:
         for name, cases in self.cases.items():
