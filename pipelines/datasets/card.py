@@ -21,7 +21,8 @@ from pipelines.io.text_table import Grid
 from pipelines.io.user_files import write_whole
 from pipelines.scene.scene import Scene
 
-_XARRAY = """\
+_LOADING = {  # by program; the paths are those in the folder of the data set
+    "xarray, by run": """\
 import gearcase
 
 data = gearcase.open_dataset(".")                      # reads a run when it is used
@@ -31,23 +32,20 @@ print(first.std("time"))
 
 for one in gearcase.pieces(train, 0.1, noise_m_s2=0.01):   # a run at a time: (piece, sensor, axis, time)
     print(int(one.run[0]), str(one.label.values[0]), one.shape)
-"""
-
-_PLAIN = """\
+""",
+    "xarray alone": """\
 import xarray
 
 signals = xarray.open_zarr("signals.zarr", consolidated=False, chunks=None)   # without gearcase, without labels
 print(signals.acceleration.sizes)
-"""
-
-_PANDAS = """\
+""",
+    "pandas": """\
 import pandas
 
 rows = pandas.read_parquet("rows.parquet")             # a line per run: variables, labels, split
 print(rows.groupby(["split", "label"]).size())
-"""
-
-_SKLEARN = """\
+""",
+    "scikit-learn": """\
 import pandas
 from sklearn.ensemble import RandomForestClassifier
 
@@ -60,9 +58,8 @@ table = rows.join(wide, how="inner")
 train, test = table[table.split == "train"], table[table.split == "test"]
 model = RandomForestClassifier(random_state=0).fit(train[wide.columns], train.label)
 print(model.score(test[wide.columns], test.label))
-"""
-
-_TORCH = """\
+""",
+    "PyTorch": """\
 import gearcase
 import torch
 
@@ -79,7 +76,8 @@ class Pieces(torch.utils.data.IterableDataset):
                 yield signal, label
 
 batches = torch.utils.data.DataLoader(Pieces("train"), batch_size=32)   # runs come in order: shuffle them for training
-"""
+""",
+}
 
 
 def write_card(folder: Path) -> Summary:
@@ -122,7 +120,8 @@ def card(folder: Path, found: Summary) -> str:
         _split_words(found),
         f"## How it was made\n\n{_bullets(_provenance(found, scene))}",
         f"## Limits\n\n{_bullets(_limits(found, scene))}",
-        f"## How to load it\n\n{_loading()}",
+        "## How to load it",
+        *(f"### {name}\n\n```python\n{code}```" for name, code in _LOADING.items()),
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -229,15 +228,3 @@ def _numbers(found: Summary, name: str) -> np.ndarray:
     """A column of the runs that are done."""
     values = found.columns.get(name, np.array([]))
     return values[np.isfinite(values)] if values.dtype.kind in "fi" else np.array([])
-
-
-def _loading() -> str:
-    """How a data set is loaded; the paths are those in its folder."""
-    blocks = {
-        "xarray, by run": _XARRAY,
-        "xarray alone": _PLAIN,
-        "pandas": _PANDAS,
-        "scikit-learn": _SKLEARN,
-        "PyTorch": _TORCH,
-    }
-    return "\n\n".join(f"### {name}\n\n```python\n{code}```" for name, code in blocks.items())

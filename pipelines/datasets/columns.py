@@ -29,25 +29,19 @@ def read_columns(folder: Path, runs: int) -> dict[str, np.ndarray]:
     ------
     InputError : a row is damaged
     """
-    found = _from_table(folder) or row_columns(folder)
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:  # the table, if it was made after the last row came or went
+        fresh = (folder / TABLE).stat().st_mtime_ns > (folder / ROWS).stat().st_mtime_ns
+        found = pq.read_table(folder / TABLE).to_pydict() if fresh else row_columns(folder)
+    except (OSError, pa.ArrowException):
+        found = row_columns(folder)
     place = {run: number for number, run in enumerate(found.pop("run", []))}
     placed = {
         name: [values[place[run]] if run in place else None for run in range(runs)] for name, values in found.items()
     }
     return {name: as_array(values) for name, values in ({"status": [None] * runs} | placed).items()}
-
-
-def _from_table(folder: Path) -> dict[str, list[Any]] | None:
-    """The columns of rows.parquet; None unless it was made after the last row came or went."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    try:
-        if (folder / TABLE).stat().st_mtime_ns <= (folder / ROWS).stat().st_mtime_ns:
-            return None
-        return pq.read_table(folder / TABLE).to_pydict()
-    except (OSError, pa.ArrowException):
-        return None
 
 
 def as_array(values: Sequence[Any]) -> np.ndarray:

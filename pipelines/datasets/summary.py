@@ -105,13 +105,8 @@ def words(counts: Mapping[str, int]) -> str:
 
 def stretches(runs: tuple[int, ...]) -> str:
     """Numbers of runs, those that follow one another as 3-7."""
-    found: list[list[int]] = []
-    for run in runs:
-        if found and run == found[-1][1] + 1:
-            found[-1][1] = run
-        else:
-            found.append([run, run])
-    shown = [f"{first}-{last}" if last > first else str(first) for first, last in found[:_MOST_RUNS]]
+    found = np.split(np.array(runs), np.flatnonzero(np.diff(runs) > 1) + 1)
+    shown = [f"{one[0]}-{one[-1]}" if len(one) > 1 else str(one[0]) for one in found[:_MOST_RUNS]]
     return ", ".join(shown) + (" ..." if len(found) > _MOST_RUNS else "")
 
 
