@@ -67,7 +67,7 @@ def conditions(found: Detectability) -> str:
 
 def probability_grid(found: Detectability) -> Grid:
     """A row per value and noise."""
-    keys = [over.last_key for over in found.design.over]
+    keys = [over.key.rpartition(".")[2] for over in found.design.over]
     headers = (*keys, "noise m/s2", "detected", "above all healthy", "shaft ranks first", "tooth within one")
     return Grid(title="Probability of detection", headers=headers, rows=tuple(map(_cells, found.points)))
 

@@ -31,11 +31,6 @@ class Over:
         """The table of the scene that it stands in."""
         return self.key.partition(".")[0]
 
-    @property
-    def last_key(self) -> str:
-        """Its own name with the unit: "depth_mm"."""
-        return self.key.rpartition(".")[2]
-
 
 def parse_over(text: str, option: str = "--over", example: str = _EXAMPLE) -> Over:
     """`KEY=from:to:step`, whose end belongs to it, or `KEY=a,b,c`.
