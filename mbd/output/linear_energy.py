@@ -26,7 +26,7 @@ class LinearWork:
     """
 
     def __init__(self, system: System, integrator: Integrator, step: float, n_steps: int, torque: np.ndarray) -> None:
-        self._system, self._torque, self._step = system, torque, step
+        self._system, self._torque = system, torque
         self.to_q, self.to_v = integrator.displacement, integrator.velocity
         self._turn = -integrator.inverse_mass @ (system.mass @ system.rolling)
         self._massless = [(part, part.rows(system.layout.size)) for part in system.parts if not part.is_massive]

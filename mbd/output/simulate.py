@@ -79,7 +79,7 @@ def simulate(
             done += n
             if progress is not None:
                 progress(done / balance.steps)
-        counters = integrator.counters | balance.events()
+        counters = integrator.counters | balance.elements.events()
         logger.info("simulated %d steps of %.3g s: %s", done, step, counters)
     rows, machine = system.channels, system.machine
     parts, table = balance.table()

@@ -95,10 +95,6 @@ class Layout(Coordinates):
                 ) from None
         return row
 
-    def casing_shift(self, name: str) -> np.ndarray:
-        """Motion (3,) of a row of the casing for a translation of the whole machine by 1 along x, y, z."""
-        return self.casing.row_shifts[self.casing.row_names.index(name)]
-
     def check_key_point(self, name: str, shaft: str, y: float) -> None:
         """Raise MachineError if the key point ``name`` of the casing is not at ``y`` of the shaft's axis.
 

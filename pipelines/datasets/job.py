@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from mbd.output.trajectory import Trajectory
 from pipelines.datasets.campaign_scenes import SampledScene, scene_key, scene_of
 from pipelines.datasets.labels import labels
 from pipelines.datasets.plan import Plan
@@ -95,19 +94,14 @@ def _simulated(job: Job) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     row = {
         "key": scene_key(loaded),
         "labels": labels(machine),
-        "quality": quality(motion),
+        "quality": {
+            "step_error": motion.step_error,
+            "repeatable_until_s": motion.diverged_at or float(motion.time[-1]),
+            "warnings": "; ".join(motion_warnings(motion)),
+        },
         "loop_seconds": round(loop, 3),
     }
     return row, run_arrays(motion, job.layout)
-
-
-def quality(motion: Trajectory) -> dict[str, Any]:
-    """Quality of a motion: error of the accelerations by the time step, time for which it is repeatable, warnings."""
-    return {
-        "step_error": motion.step_error,
-        "repeatable_until_s": motion.diverged_at or float(motion.time[-1]),
-        "warnings": "; ".join(motion_warnings(motion)),
-    }
 
 
 @functools.lru_cache(maxsize=1)

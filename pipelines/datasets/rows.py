@@ -113,10 +113,8 @@ def flat(row: Mapping[str, Any]) -> dict[str, Any]:
     """A row as columns of one level: values and labels under their own names."""
     out: dict[str, Any] = {}
     for name, value in row.items():
-        if name == "checksums":
-            continue
         if isinstance(value, Mapping):
-            out |= value
+            out |= {} if name == "checksums" else value
         else:
             out[name] = json.dumps(value) if isinstance(value, list) else value
     return out

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -114,11 +114,6 @@ def run_spread(
     run_campaign(plan, folder, local_workers(processes), building, quiet=quiet)
     with local_workers(processes) as workers, reported_count("machines", quiet=quiet) as report:
         rows = list(dataset_rows(folder, monitored.windows, monitored.noise, workers.executor, report))
-    return _spread(plan, folder, rows)
-
-
-def _spread(plan: Plan, folder: Path, rows: Sequence[Mapping[str, Any]]) -> FeatureSpread:
-    """The study, from the rows of the features."""
     tables = {row["run"]: stored_table(row["table"]) for row in rows}
     found = {run: line_levels(table) for run, table in tables.items() if table is not None}
     if len(found) < FEWEST:
