@@ -32,6 +32,7 @@ from pipelines.datasets.variables import ListTable, Variable
 from pipelines.io.errors import InputError, SceneError
 from pipelines.io.not_a_scene import SCENE_KEYS
 from pipelines.io.toml_text import format_document
+from pipelines.machine.machine_model import MachineModel
 from pipelines.scene.load_scene import LoadedScene, Source, find_source, load_scene, parse, validate
 from pipelines.scene.merge import Merged, Whole, leaves, merge
 from pipelines.scene.presets import preset_on
@@ -259,14 +260,33 @@ def stored_plan(facts: Mapping[str, Any]) -> Plan:
     return Plan(name=facts["name"], text="", table=table, tree=facts["facts"]["scene"])
 
 
-def plan_on(loaded: LoadedScene, tables: Mapping[str, Any], name: str) -> Plan:
-    """A plan on a loaded scene with all its settings, from the tables of a plan file without `scene`.
+@dataclass(frozen=True, kw_only=True)
+class VariedKey:
+    """A key of the scene that a study varies, with items counted from 1 as in `--set`."""
+
+    key: str
+
+    @property
+    def variable(self) -> str:
+        """Its name as a variable of a plan: "load_torque_N_m"."""
+        return self.key.replace(".", "_").replace("-", "_")
+
+
+def plan_of_study(loaded: LoadedScene, machine: MachineModel, tables: Mapping[str, Any], name: str) -> Plan:
+    """The plan of a study on a loaded scene with all its settings: accelerations and shaft angles, without a split.
+
+    Parameters
+    ----------
+    loaded, machine : the scene and its machine
+    tables : those of a plan file, without scene, signals and split
+    name : of the plan
 
     Raises
     ------
     SceneError : with all problems of the tables
     """
-    told = {"scene": loaded.name, **tables}
+    signals = ["acceleration" if machine.sensors else "journal_acceleration", "shaft_angle"]
+    told = {"scene": loaded.name, **tables, "signals": signals, "split": {"test": 0.0}}
     table, _ = validate(Merged(told), PlanTable, f"plan {name}")
     table = _populated(table, told, loaded.tree, f"plan {name}")
     return Plan(name=name, text=format_document(told), table=table, tree=_bare(loaded.tree))

@@ -13,7 +13,7 @@ from pipelines.datasets.campaign import run_campaign
 from pipelines.datasets.campaign_scenes import group_variables
 from pipelines.datasets.columns import as_array
 from pipelines.datasets.feature_tables import dataset_rows, stored_table
-from pipelines.datasets.plan import Plan, plan_on, plan_tables
+from pipelines.datasets.plan import Plan, plan_of_study, plan_tables
 from pipelines.datasets.rows import read_row
 from pipelines.datasets.typical_spread import TYPICAL, typical
 from pipelines.datasets.workers import local_workers
@@ -86,11 +86,10 @@ def spread_plan(loaded: LoadedScene, machine: MachineModel, over: str | Path | N
         raise InputError(f"{count} machines: an interval of 90 % needs {FEWEST} or more. Increase --machines.")
     if over is None:
         tables["variables"][_SPECIMEN]["to"] = count // 2
-    signals = ["acceleration" if machine.sensors else "journal_acceleration", "shaft_angle"]
     title = f"Spread of {loaded.name} over {TYPICAL if over is None else Path(over).stem}"
-    own = {"scenes": count, "title": title[:200], "signals": signals, "split": {"test": 0.0}}
+    own = {"scenes": count, "title": title[:200]}
     kept = {key: value for key, value in tables.items() if key not in _OWN}
-    return plan_on(loaded, kept | own, f"spread-{loaded.name}")
+    return plan_of_study(loaded, machine, kept | own, f"spread-{loaded.name}")
 
 
 def run_spread(
