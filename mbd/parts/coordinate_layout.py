@@ -53,8 +53,7 @@ class Layout(Coordinates):
         found = np.zeros((self.size, 3))
         for shaft in self.machine.shafts:
             span = self.spans[shaft.name]
-            for k, axis in enumerate(("ux", "uy", "uz")):
-                found[span, k] = [label.endswith(f":{axis}") for label in self.names[span]]
+            found[span] = [[label.endswith(f":{axis}") for axis in ("ux", "uy", "uz")] for label in self.names[span]]
         for component in self.machine.components:
             for name, motion in zip(component.coordinates, component.translation(), strict=True):
                 found[self.names.index(name)] = motion
