@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from pipelines.datasets.folder import SCENE
 from pipelines.datasets.variables_grid import sets
 from pipelines.io.errors import SceneError
 from pipelines.scene.load_scene import load_scene
@@ -71,6 +72,6 @@ def _shorter_step(folder: Path, facts: Mapping[str, Any], worst: float) -> str:
 def stored_scene(folder: Path) -> Scene | None:
     """The scene of a data set; None where it cannot be read, as that of another version."""
     try:
-        return load_scene(folder / "scene.toml").scene
+        return load_scene(folder / SCENE).scene
     except SceneError:
         return None

@@ -13,6 +13,7 @@ import numpy as np
 
 from pipelines.datasets.campaign_scenes import group_words
 from pipelines.datasets.columns import counted, read_columns
+from pipelines.datasets.folder import PLAN
 from pipelines.datasets.rows import DONE
 from pipelines.datasets.run_warnings import run_warnings
 from pipelines.datasets.signal_layout import read_facts
@@ -21,7 +22,6 @@ from pipelines.datasets.variables_grid import design_words, varied_grid
 from pipelines.io.text_table import WIDTH
 from pipelines.io.toml_text import read_toml
 
-PLAN = "plan.toml"
 _MOST_RUNS = 10  # stretches of missing runs that are named
 
 

@@ -20,7 +20,6 @@ from pipelines.signals.features.feature_table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.steps.verdict import known_damages
 from pipelines.studies.detect.channel_detectability import DetectionChannel, channels
-from pipelines.studies.detect.detection_axis import Over
 from pipelines.studies.detect.detection_campaign import HEALTHY, SPECIMEN, STATE, Design
 from pipelines.studies.detect.probability import Damage, Detection, Machines, detection
 
@@ -77,7 +76,9 @@ def study(
     InputError : too few runs were simulated, or the damaged component has no features
     """
     varied = [over.variable for over in design.over]
-    shared = [over.variable for over in shared_over(plan, design)]
+    # keys that also change the healthy machines: all that do not belong to the fault
+    of_all = [over for over in design.over if over.first_key not in plan.table.cases[STATE][HEALTHY]]
+    shared = [over.variable for over in of_all]
     runs = [row for row in read_rows(folder) if row["status"] == DONE]
     healthy = [row for row in runs if row["values"][STATE] == HEALTHY]
     damaged = [row for row in runs if row["values"][STATE] != HEALTHY]
@@ -119,16 +120,11 @@ def study(
         name=plan.name,
         damage=plan.table.title.partition(": ")[2],
         design=design,
-        shared=tuple(over.key for over in shared_over(plan, design)),
+        shared=tuple(over.key for over in of_all),
         noises=tuple(noises),
         points=tuple(found),
         channels=channels(first),
     )
-
-
-def shared_over(plan: Plan, design: Design) -> list[Over]:
-    """The varied keys that also change the healthy machines: all that do not belong to the fault."""
-    return [over for over in design.over if over.first_key not in plan.table.cases[STATE][HEALTHY]]
 
 
 def _values(row: Mapping[str, Any], variables: Sequence[str]) -> Values:
