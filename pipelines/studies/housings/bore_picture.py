@@ -11,7 +11,6 @@ from fem.casing.recognition.housing_contents import GeometryContents
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from pyvista import PolyData
 
 MOST_LABELS = 60
 _HEIGHT = 25.0  # deg above the horizon
@@ -31,10 +30,8 @@ def housing_picture(contents: GeometryContents, seats: dict[int, str]) -> Figure
     contents : what the file holds
     seats : name of the bearing by number of the bore
     """
-    import pyvista
     from matplotlib.figure import Figure
 
-    surface = pyvista.PolyData.from_regular_faces(contents.points, contents.triangles)
     figure = Figure(figsize=(14.0, 7.0), layout="tight")
     hidden = {bore.number for bore in contents.bores[:MOST_LABELS]}
     for place, azimuth in enumerate((-60.0, 120.0), 1):
@@ -45,7 +42,7 @@ def housing_picture(contents: GeometryContents, seats: dict[int, str]) -> Figure
             if bore.number in seats:
                 name, colour = f"{bore.number}: {seats[bore.number]}", _SEAT
             end = bore.ends[int((bore.ends @ _eye(azimuth)).argmax())]
-            if not _seen(surface, end, _eye(azimuth)):
+            if not _seen(contents, end, _eye(azimuth)):
                 continue
             hidden.discard(bore.number)
             x, y, z = 1000 * end
@@ -57,10 +54,20 @@ def housing_picture(contents: GeometryContents, seats: dict[int, str]) -> Figure
     return figure
 
 
-def _seen(surface: PolyData, place: np.ndarray, eye: np.ndarray) -> bool:
-    """Whether no triangle lies between a place and the eye."""
-    size = surface.length
-    return not len(surface.ray_trace(place + 1e-6 * size * eye, place + 2.0 * size * eye)[0])
+def _seen(contents: GeometryContents, place: np.ndarray, eye: np.ndarray) -> bool:
+    """Whether no triangle lies between a place and the eye (Moller & Trumbore 1997, J. Graphics Tools 2, 21-28)."""
+    first, second, third = contents.points[contents.triangles].transpose(1, 0, 2)
+    along, across = second - first, third - first
+    normal = np.cross(eye, across)
+    volume = np.einsum("ij,ij->i", along, normal)
+    met = abs(volume) > 1e-12 * np.linalg.norm(along, axis=1) * np.linalg.norm(across, axis=1)
+    first, along, across, normal, volume = (part[met] for part in (first, along, across, normal, volume))
+    away = place - first
+    turned = np.cross(away, along)
+    u, v = np.einsum("ij,ij->i", away, normal) / volume, turned @ eye / volume
+    distance = np.einsum("ij,ij->i", across, turned) / volume
+    near = 1e-6 * float(np.ptp(contents.box, axis=0).max())
+    return not bool(((u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (distance > near)).any())
 
 
 def _draw(axes: object, contents: GeometryContents, azimuth: float) -> None:

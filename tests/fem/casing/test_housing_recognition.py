@@ -10,7 +10,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import pyvista
 import scipy.sparse as sp
 from factored_casing import factored
 from housings import small_housing
@@ -372,7 +371,9 @@ def test_a_wall_seen_through_a_bore_is_darker_than_the_wall_around_it():
 
 def test_a_picture_numbers_a_bore_only_where_no_wall_hides_it():
     corners = np.array([[0.0, -1.0, -1.0], [0.0, 1.0, -1.0], [0.0, 1.0, 1.0], [0.0, -1.0, 1.0]])
-    wall = pyvista.PolyData.from_regular_faces(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    wall = SimpleNamespace(
+        points=corners, triangles=np.array([[0, 1, 2], [0, 2, 3]]), box=np.array([[-1.0] * 3, [1.0] * 3])
+    )
     eye = np.array([1.0, 0.2, 0.4])
     places = {-0.5: False, 0.0: True, 0.5: True}
     assert {x: _seen(wall, np.array([x, 0.3, -0.4]), eye) for x in places} == places
