@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from pipelines.datasets.campaign import run_campaign
-from pipelines.datasets.feature_source import dataset_rows
-from pipelines.datasets.feature_tables import stored_table
+from pipelines.datasets.feature_tables import dataset_rows, stored_table
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import read_row
 from pipelines.datasets.workers import local_workers

@@ -12,7 +12,8 @@ from serial_executor import InOrder
 import gearcase
 from benchmarks.feature_table import PAGE, feature_table_page
 from pipelines.cli.main import main
-from pipelines.datasets.feature_source import FEATURE_ROWS, FEATURES, FeatureSource, write_features
+from pipelines.datasets.feature_source import FEATURES, FeatureSource, write_features
+from pipelines.datasets.feature_tables import FEATURE_ROWS
 from pipelines.datasets.rows import read_row, row_path, write_row
 from pipelines.io.errors import InputError
 from pipelines.signals.features.average_features import meshing
