@@ -90,7 +90,6 @@ class _Window:
         axes = list("xyz" if settings.axis == "resultant" else settings.axis)
         self.cut = CutRun(
             segment=segment,
-            window=settings.spectrum_window,
             signal=cut(channel(run, settings.sensor).sel(axis=axes).values, rate, segment),
             forces=cut(forces.sel(bearing=on_casing).values.reshape(run.time.size, -1), rate, segment),
         )

@@ -102,7 +102,7 @@ def decibel(value: float, reference: float = 1.0) -> float:
 
 
 def _line_levels(lines: LineTable, state: str, limit: float) -> Levels:
-    floors = lines.without_mesh()
+    floors = lines.of("envelope", "sideband")
     over = floors.over_floor if state == "faulty" else floors.healthy_over_floor
     levels = {"envelope": _sum(lines.where(kind="envelope"), state), "under_limit": limit - float(np.median(over))}
     for n in (1, 2):
