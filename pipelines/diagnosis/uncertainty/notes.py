@@ -22,26 +22,22 @@ def notes(missed: Sequence[str], remedy: str, damping_spread: float) -> tuple[st
     remedy : setting that makes the error of the casing mesh known, "" if it is known
     damping_spread : relative spread of the damping ratios, 5 to 95 %
     """
-    found = []
+    numerical = (
+        f"Numerical uncertainty: 5 to 95 % of {SAMPLES} samples. Each sample changes the natural frequencies of the "
+        "casing within their uncertainty bands, and adds an error of the time step."
+    )
     if remedy:
-        found.append(
+        numerical = (
             f"The discretisation error of the casing is not known: {remedy}. Only the effect of uncertain damping is "
             "shown."
         )
-    else:
-        found.append(
-            f"Numerical uncertainty: 5 to 95 % of {SAMPLES} samples. Each sample changes the natural frequencies of "
-            "the casing within their uncertainty bands, and adds an error of the time step."
-        )
-    found.append(
+    damping = (
         f"Uncertain damping: 5 to 95 % of {SAMPLES} samples. Each sample multiplies all damping ratios of the casing "
         f"by one factor, in 90 % of the samples between {1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g}. "
         "This range is an assumption; diagnosis.damping_spread sets it."
     )
-    found.append(LEFT_OUT)
-    if missed:
-        found.append(
-            "These lines are excited by further forces than those of the bearings, so their error bars are incomplete: "
-            f"{', '.join(missed)}."
-        )
-    return tuple(found)
+    incomplete = (
+        "These lines are excited by further forces than those of the bearings, so their error bars are incomplete: "
+        f"{', '.join(missed)}."
+    )
+    return (numerical, damping, LEFT_OUT, *([incomplete] if missed else []))
