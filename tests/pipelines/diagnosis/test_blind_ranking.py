@@ -343,15 +343,6 @@ def test_the_table_of_the_verdict_lists_every_component(healthy):
     assert {row[0] for row in grid.rows} >= {one.name for one in (*MACHINE.shafts, *MACHINE.gears)}
 
 
-def test_features_as_one_labelled_table(healthy):
-    labelled = healthy[0].labelled()
-    assert labelled.dims == ("sensor", "axis", "component", "feature")
-    value = labelled.sel(sensor="near", axis="z", component="stage 1 wheel", feature="fm4")
-    column = healthy[0].lines.index(("stage 1 wheel", "fm4"))
-    assert float(value) == healthy[0].value[1, column]
-    assert np.isnan(labelled.sel(component="shaft_1", feature="fm4")).all()
-
-
 def test_the_tooth_is_the_same_backwards(healthy):
     forwards = recording(107, fault="stage 2 wheel", tooth=20)
     backwards = forwards.assign(shaft_angle=-forwards.shaft_angle)  # the same knocks, counted down: tooth 45 - 20
