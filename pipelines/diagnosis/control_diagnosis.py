@@ -198,8 +198,6 @@ def _check_comparable(faulty: xarray.Dataset, healthy: xarray.Dataset) -> None:
                 f"{name}: {left!r} in the faulty run, {right!r} in the healthy one; "
                 "a control differs in the fault alone"
             )
-    if "load" not in faulty.attrs:
-        raise DiagnosisError("load: attribute missing in both runs; the model of the load is expected")
     if faulty.time.size != healthy.time.size or sampling(faulty) != sampling(healthy):
         raise DiagnosisError(
             f"time: {faulty.time.size} samples in the faulty run, {healthy.time.size} in the healthy one, "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -34,13 +35,10 @@ def open_channels(path: Path) -> RecordedContents:
             raise InputError(
                 f"{shown(path)}: is a classic netCDF file, only netCDF-4 is read. Convert it with: nccopy -k nc4."
             )
-    file = h5py.File(path, "r")
-    try:
-        texts = " ".join(_text(value) for value in file.attrs.values())
-        return RecordedContents(channels=tuple(_channels(file)), close=file.close, texts=texts)
-    except BaseException:
-        file.close()
-        raise
+    with contextlib.ExitStack() as opened:
+        file = opened.enter_context(h5py.File(path, "r"))
+        channels, texts = tuple(_channels(file)), " ".join(_text(value) for value in file.attrs.values())
+        return RecordedContents(channels=channels, close=opened.pop_all().close, texts=texts)
 
 
 def holds_recording(path: Path) -> bool:

@@ -24,7 +24,6 @@ class MeasuredMachine:
     A machine from a scene has the table of a machine file without such settings: every channel is a sensor.
     """
 
-    name: str
     kinematics: Kinematics
     table: MachineTable = field(default_factory=MachineTable.model_construct)
 
@@ -65,21 +64,6 @@ def read_machine(source: str | Path) -> MeasuredMachine:
     bearings, misfits = _bearings(table)
     if problems + misfits:
         raise SceneError(found.shown, problems + misfits)
-    return _of_table(table, shafts, bearings, found.name)
-
-
-def _of_scene(source: str | Path) -> MeasuredMachine:
-    from pipelines.machine.layout import lay_out
-    from pipelines.machine.scene_bearings import rolling_bearings
-    from pipelines.machine.scene_kinematics import kinematics_of
-    from pipelines.scene.load_scene import load_scene
-
-    loaded = load_scene(source)
-    layout = lay_out(loaded.scene, loaded.source.shown)
-    return MeasuredMachine(name=loaded.name, kinematics=kinematics_of(layout, rolling_bearings(loaded.scene)))
-
-
-def _of_table(table: MachineTable, shafts: Sequence[Shaft], bearings: Sequence[Bearing], name: str) -> MeasuredMachine:
     kinematics = Kinematics(
         shafts=tuple(shafts),
         gears=tuple(
@@ -90,7 +74,18 @@ def _of_table(table: MachineTable, shafts: Sequence[Shaft], bearings: Sequence[B
         bearings=tuple(bearings),
         frequency=None if table.speed_rpm is None else table.speed_rpm / 60,
     )
-    return MeasuredMachine(name=name, kinematics=kinematics, table=table)
+    return MeasuredMachine(kinematics=kinematics, table=table)
+
+
+def _of_scene(source: str | Path) -> MeasuredMachine:
+    from pipelines.machine.layout import lay_out
+    from pipelines.machine.scene_bearings import rolling_bearings
+    from pipelines.machine.scene_kinematics import kinematics_of
+    from pipelines.scene.load_scene import load_scene
+
+    loaded = load_scene(source)
+    layout = lay_out(loaded.scene, loaded.source.shown)
+    return MeasuredMachine(kinematics=kinematics_of(layout, rolling_bearings(loaded.scene)))
 
 
 def shaft_name(number: int) -> str:

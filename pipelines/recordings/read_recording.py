@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 import xarray
-from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from pipelines.io.errors import InputError
@@ -27,6 +26,7 @@ from pipelines.recordings.recording_channels import SHAFT_ANGLE, RecordedChannel
 from pipelines.recordings.sample_checks import checked_extremes, clipped_share, is_silent, whole_numbers
 from pipelines.recordings.time_axis import is_time, sampling
 from pipelines.recordings.units import ACCELERATIONS, GRAVITY, VOLTAGES, may_be_acceleration, plain_units
+from pipelines.signals.lazy_array import LazyArray, Place
 from pipelines.signals.motion_warnings import ATTRIBUTE
 from pipelines.signals.response_file import has_checksum, open_response
 
@@ -78,7 +78,11 @@ def _recording(contents: RecordedContents, machine: MeasuredMachine, path: Path,
     pulses = None if named is None else channel_of(contents, named, source)
     places = _places(contents, machine, [one for one in (clock, pulses) if one is not None], source)
     signals = [channel for axes in places.values() for channel in axes.values()]
-    angles = {} if named is not None or speed is not None else _shaft_angles(contents)
+    angles = {
+        one.name.removeprefix(SHAFT_ANGLE): one
+        for one in contents.channels
+        if one.name.startswith(SHAFT_ANGLE) and named is None and speed is None
+    }
     used = [*signals, *([] if pulses is None else [pulses]), *angles.values()]
     _check_lengths([*used, *([] if clock is None else [clock])], source)
     extremes = {channel.name: checked_extremes(channel, source) for channel in used}
@@ -129,35 +133,26 @@ def _recording(contents: RecordedContents, machine: MeasuredMachine, path: Path,
 def _variable(
     dims: tuple[str, ...], table: object, factors: object, attributes: Mapping[str, object]
 ) -> xarray.Variable:
-    """Variable over time and `dims` from a nested list of channels, multiplied by their factors."""
+    """Variable over time and `dims` from a nested list of channels times their factors; NaN without a channel."""
     channels = np.empty(np.shape(np.array(table, dtype=object)), dtype=object)
     channels[...] = table
-    view = _View(channels, np.array(factors, float))
-    return xarray.Variable(("time", *dims), indexing.LazilyIndexedArray(view), dict(attributes))
+    by = np.array(factors, float)
+    given = [channel for channel in channels.flat if channel is not None]
+    single = all(channel.dtype == np.float32 for channel in given) and bool((by == 1.0).all())
+    dtype = np.dtype(np.float32 if single else np.float64)
 
-
-class _View(BackendArray):
-    """Channels as an array (time, ...) that is read when it is used; NaN without a channel."""
-
-    def __init__(self, channels: np.ndarray, factors: np.ndarray) -> None:
-        self._channels, self._factors = channels, factors
-        given = [channel for channel in channels.flat if channel is not None]
-        single = all(channel.dtype == np.float32 for channel in given) and bool((factors == 1.0).all())
-        self.shape, self.dtype = (given[0].size, *channels.shape), np.dtype(np.float32 if single else np.float64)
-
-    def __getitem__(self, key: indexing.ExplicitIndexer) -> np.ndarray:
-        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self._read)
-
-    def _read(self, key: tuple[int | slice, ...]) -> np.ndarray:
+    def read(key: Place) -> np.ndarray:
         instants, places = key[0], key[1:]
         part = slice(instants, instants + 1) if isinstance(instants, int | np.integer) else instants
-        chosen, factors = np.asarray(self._channels[places], dtype=object), np.asarray(self._factors[places])
-        count = len(range(*part.indices(self.shape[0])))
-        values = np.full((count, *chosen.shape), np.nan, self.dtype)
+        chosen, of_chosen = np.asarray(channels[places], dtype=object), np.asarray(by[places])
+        values = np.full((len(range(*part.indices(given[0].size))), *chosen.shape), np.nan, dtype)
         for place, channel in np.ndenumerate(chosen):
             if channel is not None:
-                values[(slice(None), *place)] = channel.read(part) * self.dtype.type(factors[place])
+                values[(slice(None), *place)] = channel.read(part) * dtype.type(of_chosen[place])
         return values[0] if part is not instants else values
+
+    lazy = LazyArray((given[0].size, *channels.shape), dtype, read)
+    return xarray.Variable(("time", *dims), indexing.LazilyIndexedArray(lazy), dict(attributes))
 
 
 def channel_of(contents: RecordedContents, wanted: ChannelName, source: str) -> RecordedChannel:
@@ -240,17 +235,14 @@ def _without_silent(
     ------
     InputError : such a channel is needed, the machine file names it, or there is no other
     """
-    left = {
-        sensor: kept
-        for sensor, axes in places.items()
-        if (kept := {axis: channel for axis, channel in axes.items() if not is_silent(extremes[channel.name])})
-    }
-    silent = {
-        channel.name: f"{sensor} {axis}"
-        for sensor, axes in places.items()
-        for axis, channel in axes.items()
-        if is_silent(extremes[channel.name])
-    }
+    left: dict[str, dict[str, RecordedChannel]] = {}
+    silent = {}
+    for sensor, axes in places.items():
+        for axis, channel in axes.items():
+            if is_silent(extremes[channel.name]):
+                silent[channel.name] = f"{sensor} {axis}"
+            else:
+                left.setdefault(sensor, {})[axis] = channel
     fixed = [channel.name for channel in needed if is_silent(extremes[channel.name])]
     if fixed or (silent and (machine.table.sensors or not left)):
         name = [*fixed, *silent][0]
@@ -268,12 +260,6 @@ def _without_silent(
 
 def _silence(extremes: tuple[float, float]) -> str:
     return "holds no number" if np.isnan(extremes[0]) else f"is {extremes[0]:g} throughout"
-
-
-def _shaft_angles(contents: RecordedContents) -> dict[str, RecordedChannel]:
-    """Channels of shaft angles by shaft, as `gearcase export` names them."""
-    found = [one for one in contents.channels if one.name.startswith(SHAFT_ANGLE)]
-    return {one.name.removeprefix(SHAFT_ANGLE): one for one in found}
 
 
 def _check_lengths(channels: Sequence[RecordedChannel], source: str) -> None:

@@ -100,10 +100,8 @@ def compared_recording(
     FeatureError : no accelerations, no channel with a signal, or a window outside the recording
     RotationError : see `pipelines.signals.orders.rotation_of`
     """
-    if "acceleration" not in recording and "journal_acceleration" not in recording:
-        raise FeatureError("the recording holds no accelerations. Add sensors to the scene, or give another recording")
-    rotation = rotation_of(recording, kinematics)
     sensors, axes, values = recorded_channels(with_stated_noise(recording))
+    rotation = rotation_of(recording, kinematics)
     time = np.asarray(recording.time.values, dtype=float)
     whole = {"whole": (float(time[0]), float(time[-1]))}
     return ComparedRecording(

@@ -193,8 +193,6 @@ def recorded_channels(recording: xarray.Dataset) -> tuple[tuple[str, ...], tuple
     FeatureError : no channel contains a signal
     """
     name = "acceleration" if "acceleration" in recording else "journal_acceleration"
-    if name not in recording:
-        raise FeatureError("the recording holds no accelerations. Add sensors to the scene, or give another recording")
     signal = recording[name].rename(bearing="sensor") if "bearing" in recording[name].dims else recording[name]
     laid = signal.transpose("sensor", "axis", "time")
     pairs = [(str(sensor), str(axis)) for sensor in laid.sensor.values for axis in laid.axis.values]

@@ -72,5 +72,5 @@ def cut_turns(
     rate = (len(time) - 1) / float(time[-1] - time[0])
     per_turn = rate / frequency * (1.0 - _ROUNDING)  # a rounded time or angle must not give another whole number
     places = next_fast_len(math.ceil(COLUMNS * per_turn), real=True)
-    values = revolutions(signal, time, rotation, ratio, places, [window])
+    values = revolutions(signal, time, rotation, ratio, places, window)
     return Turns(values=values, frequency=frequency, orders=int(HIGHEST * per_turn), backwards=angle < 0.0)

@@ -110,8 +110,7 @@ def best_speed(levels: OrderLevels, kinematics: Kinematics, lowest: float, highe
     fastest = max(meshes.values())
     step = 0.5 / (HARMONICS * fastest * levels.per_order)
     factors = np.exp(np.arange(np.log(lowest), np.log(highest), step / highest))
-    score = np.zeros(len(factors))
-    score += sum(
+    score = np.zeros(len(factors)) + sum(
         _deviations(levels.mean(harmonic * mesh * factors for harmonic in range(1, HARMONICS + 1)))
         for mesh in meshes.values()
     )

@@ -8,7 +8,7 @@ import pytest
 from turning import MACHINE, recording
 
 from pipelines.diagnosis.baseline_checks import BaselineError
-from pipelines.diagnosis.deviation_statistics import TAILS
+from pipelines.diagnosis.deviation_statistics import TAILS, clopper_pearson
 from pipelines.diagnosis.evidence import GroupEvidence, HealthyReference
 from pipelines.diagnosis.judge import damage_p, judge
 from pipelines.diagnosis.known_damage import Case, Damage, any_found, cases_grid, found
@@ -80,7 +80,7 @@ def test_other_healthy_machines_raise_no_alarm(healthy):
     verdict = judge(table(200), healthy, MACHINE)
     assert headline(verdict).startswith("No damage")
     assert (verdict.tested, verdict.false_alarms) == (8, ())
-    assert verdict.interval(0) == pytest.approx((0.0, 0.369), abs=1e-3)
+    assert clopper_pearson(0, verdict.tested) == pytest.approx((0.0, 0.369), abs=1e-3)
 
 
 def test_of_healthy_machines_whose_levels_have_the_assumed_tails_one_percent_are_called_different(healthy):
