@@ -29,7 +29,7 @@ from pipelines.machine.layout import lay_out
 from pipelines.machine.scene_bearings import rolling_bearings
 from pipelines.machine.scene_kinematics import kinematics_of
 from pipelines.recordings.formats import BY_ENDING
-from pipelines.runs.judged_recording import machine_of, read_features, recording_and_window, requested_windows
+from pipelines.runs.recorded_file import machine_of, read_features, recording_and_window, requested_windows
 from pipelines.runs.run_folder import RESPONSE
 
 if TYPE_CHECKING:
