@@ -163,8 +163,7 @@ def _run(options: argparse.Namespace, folder: Path) -> Iterator[str]:
     with opened_run(folder / RESPONSE) as run:
         measured = levels(run, found.settings.windows)
     if options.json:
-        facts = bars if isinstance(bars, str) else bars.to_dict()
-        own = {"error_bars": facts, "levels": measured}
+        own = {"error_bars": bars, "levels": measured}
         yield json_text({"verdict": answered["cases"]} | diagnosis_facts([found]) | own)
     else:
         answer = answered["words"] or f"No verdict: {answered['failure']}\n"

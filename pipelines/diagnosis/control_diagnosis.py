@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fem.storage import shown_html
-from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of, sampling
+from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of
 from pipelines.signals.line_table import IN_ENVELOPE, LineTable, joined, level
 from pipelines.signals.measured_speed import at_measured_speed
 from pipelines.signals.motion_warnings import chance_of_run
@@ -66,16 +66,15 @@ def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: Diagnosi
 
     Parameters
     ----------
-    faulty, healthy : Datasets with acceleration (time, sensor, axis) in m/s2 of equal sampling, and the attributes
-        load, seed ("none" for error-free gears) and sensor_noise_m_s2
+    faulty, healthy : Datasets with acceleration (time, sensor, axis) in m/s2 of equal sampling, and the equal
+        attributes load, seed ("none" for error-free gears) and sensor_noise_m_s2
 
     Raises
     ------
-    DiagnosisError : different load, seed or sampling; sensor or axis missing; the shaft does not turn at f_r, or, if
-        its speed was not known, its speed varies too much
+    DiagnosisError : sensor missing; the shaft does not turn at f_r, or, if its speed was not known, its speed varies
+        too much
     SpectrumError : a window contains no whole revolution
     """
-    _check_comparable(faulty, healthy)
     if not settings.speed_is_known:
         settings = at_measured_speed(settings, (faulty, healthy))
     control = analyse(healthy, settings, stream=0)
@@ -188,18 +187,3 @@ def _label(n: int, k: int) -> str:
         return order
     mesh = "f_m" if n == 1 else f"{n} f_m"
     return mesh if k == 0 else f"{mesh} {'+' if k > 0 else '-'} {order}"
-
-
-def _check_comparable(faulty: xarray.Dataset, healthy: xarray.Dataset) -> None:
-    for name in ("load", "seed", "iso_grade", "sensor_noise_m_s2"):
-        left, right = faulty.attrs.get(name), healthy.attrs.get(name)
-        if left != right:
-            raise DiagnosisError(
-                f"{name}: {left!r} in the faulty run, {right!r} in the healthy one; "
-                "a control differs in the fault alone"
-            )
-    if faulty.time.size != healthy.time.size or sampling(faulty) != sampling(healthy):
-        raise DiagnosisError(
-            f"time: {faulty.time.size} samples in the faulty run, {healthy.time.size} in the healthy one, "
-            "or different rates; run both with the same duration and output rate"
-        )

@@ -86,12 +86,12 @@ def compared(verdict: Verdict) -> list[str]:
             f"The limits follow from the scatter of {verdict.healthy} samples of the sensor noise. Add --baseline 8 to "
             "compare with healthy machines of other deviations."
         ]
-    many = f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."
-    found = [many]
+    found = [f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."]
     found += ["Their levels depend on the speed and are taken at that of this recording."] if verdict.at_speed else []
     if verdict.outlying:
-        names = ", ".join(verdict.outlying)
-        found.append(f"Left out because they differ from the other healthy recordings: {names}. Check them.")
+        found.append(
+            f"Left out because they differ from the other healthy recordings: {', '.join(verdict.outlying)}. Check them."
+        )
     if verdict.healthy + len(verdict.outlying) < FEWEST_FOR_OUTLYING:
         found.append(f"Give {FEWEST_FOR_OUTLYING} or more to find a damaged one among them.")
     if verdict.damaged is None:

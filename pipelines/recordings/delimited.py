@@ -110,8 +110,7 @@ def _guessed(start: np.ndarray) -> str:
 def _blocks(path: Path, text: Path, encoding: str, layout: ColumnLayout) -> Iterator[np.ndarray]:
     """Numbers (lines, columns), block by block: seconds of time stamps, NaN for text."""
     read: dict[str, Callable[[str], float]] = {STAMP: _seconds(), TEXT: lambda _: float("nan")}
-    found = ((column, kind) for column, kind in enumerate(layout.kinds) if kind != NUMBER)
-    converters: dict[int | str, Callable[[str], Any]] = {column: read[kind] for column, kind in found}
+    converters: dict[Any, Any] = {column: read[kind] for column, kind in enumerate(layout.kinds) if kind != NUMBER}
     with text.open(encoding=encoding, errors="replace", newline=None) as file:
         numbered = _data_lines(file, layout)
         while block := list(itertools.islice(numbered, _LINES)):

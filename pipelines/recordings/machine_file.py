@@ -36,7 +36,10 @@ def read_machine(source: str | Path) -> MeasuredMachine:
     SceneError : with all problems of the file
     InputError : there is no such file or scene, or it is not valid TOML
     """
-    from pipelines.scene.load_scene import find_source, parse, validate
+    from pipelines.machine.layout import lay_out
+    from pipelines.machine.scene_bearings import rolling_bearings
+    from pipelines.machine.scene_kinematics import kinematics_of
+    from pipelines.scene.load_scene import find_source, load_scene, parse, validate
     from pipelines.scene.merge import Merged
 
     if Path(source).suffix not in ("", ".toml"):
@@ -58,7 +61,9 @@ def read_machine(source: str | Path) -> MeasuredMachine:
                 "For a machine file replace stages by teeth = [[25, 62]], a pair of numbers for each stage. For a "
                 f"scene delete {measured}."
             )
-        return _of_scene(source)
+        loaded = load_scene(source)
+        layout = lay_out(loaded.scene, loaded.source.shown)
+        return MeasuredMachine(kinematics=kinematics_of(layout, rolling_bearings(loaded.scene)))
     table, _ = validate(Merged(tree), MachineTable, found.shown)
     shafts, problems = _shafts(table)
     bearings, misfits = _bearings(table)
@@ -75,17 +80,6 @@ def read_machine(source: str | Path) -> MeasuredMachine:
         frequency=None if table.speed_rpm is None else table.speed_rpm / 60,
     )
     return MeasuredMachine(kinematics=kinematics, table=table)
-
-
-def _of_scene(source: str | Path) -> MeasuredMachine:
-    from pipelines.machine.layout import lay_out
-    from pipelines.machine.scene_bearings import rolling_bearings
-    from pipelines.machine.scene_kinematics import kinematics_of
-    from pipelines.scene.load_scene import load_scene
-
-    loaded = load_scene(source)
-    layout = lay_out(loaded.scene, loaded.source.shown)
-    return MeasuredMachine(kinematics=kinematics_of(layout, rolling_bearings(loaded.scene)))
 
 
 def shaft_name(number: int) -> str:

@@ -180,11 +180,9 @@ def channel_of(contents: RecordedContents, wanted: ChannelName, source: str) -> 
 def _clock(contents: RecordedContents, machine: MeasuredMachine, source: str) -> RecordedChannel | None:
     """Channel of the time: that of the machine file, or the first with such a name."""
     wanted = machine.table.time
-    if wanted is False:
-        return None
-    if wanted is not None:
-        return channel_of(contents, wanted, source)
-    return next((channel for channel in contents.channels if is_time(channel)), None)
+    if wanted is None:
+        return next((channel for channel in contents.channels if is_time(channel)), None)
+    return None if wanted is False else channel_of(contents, wanted, source)
 
 
 def _places(

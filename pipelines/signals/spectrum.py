@@ -96,21 +96,17 @@ class Spectrum(Record):
         ------
         SpectrumError : the segment has fewer than FEWEST_REVOLUTIONS revolutions
         """
-        bins_per_order = self.revolutions
-        if bins_per_order < FEWEST_REVOLUTIONS:
+        if self.revolutions < FEWEST_REVOLUTIONS:
             raise SpectrumError(
-                f"local floor: {bins_per_order} revolutions leave no bins between the orders, "
+                f"local floor: {self.revolutions} revolutions leave no bins between the orders, "
                 f"at least {FEWEST_REVOLUTIONS} are needed. Use a longer window."
             )
-        centres = np.rint(np.asarray(frequencies, dtype=float) / self.resolution).astype(int)
         bins = np.arange(self.amplitude.size)
-        distance = np.abs(bins - np.rint(bins / bins_per_order) * bins_per_order)
-        between = distance > LINE_HALF_WIDTH
-        floors = np.empty(centres.size)
-        for i, centre in enumerate(centres):
-            near = between & (np.abs(bins - centre) <= bins_per_order)
-            floors[i] = np.median(self.amplitude[near])
-        return floors
+        distance = np.abs(bins - np.rint(bins / self.revolutions) * self.revolutions)
+        between = bins[distance > LINE_HALF_WIDTH]
+        centres = np.rint(np.asarray(frequencies, dtype=float) / self.resolution)
+        near = (between[np.abs(between - centre) <= self.revolutions] for centre in centres)
+        return np.array([np.median(self.amplitude[own]) for own in near])
 
 
 def whole_revolutions(times: tuple[float, float], rate: float, revolution_frequency: float) -> Segment:

@@ -5,9 +5,7 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -74,10 +72,6 @@ class LineBars:
         windows = dict.fromkeys(bar.window for bar in self.bars)
         tables = [bars_grid(self.of(window), window).to_html() for window in windows]
         return "".join([*tables, shown_html.table("Notes", (), ((note,) for note in self.notes))])
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON; levels in m/s2, bands in dB relative to the level."""
-        return dataclasses.asdict(self)
 
 
 def band(changes: np.ndarray, alone: dict[str, float]) -> Band:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.casing.reduced.casing_modes import CasingModes
 from fem.casing.uncertainty.casing_samples import (
     CasingSamples,
     joined,
@@ -17,6 +18,8 @@ from fem.casing.uncertainty.casing_samples import (
     sampled_frequencies,
     single_errors,
 )
+from fem.casing.uncertainty.extrapolation import RIGID_MOTIONS, LowestModes, measured_limits
+from fem.casing.uncertainty.frequency_errors import FrequencyErrors, frequency_errors
 from fem.casing.uncertainty.modal_form import ModalForm, modal_form
 from mbd.system.blocked_forces import machine_at_seats
 from mbd.system.statics import equilibrium
@@ -26,7 +29,6 @@ from pipelines.diagnosis.uncertainty.bar_records import SAMPLES, Band, LineBar, 
 from pipelines.diagnosis.uncertainty.casing_changes import CasingPath
 from pipelines.diagnosis.uncertainty.line_changes import CutRun, envelope_changes, spectrum_changes
 from pipelines.diagnosis.uncertainty.notes import notes
-from pipelines.diagnosis.uncertainty.uncertain import Uncertain
 from pipelines.signals.analysis import channel, sampling
 from pipelines.signals.line_table import LineTable
 from pipelines.signals.spectrum import cut
@@ -44,7 +46,27 @@ class BarsError(ValueError):
     """Error bars cannot be computed; the message states the reason."""
 
 
-def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncertain: Uncertain) -> LineBars:
+def casing_errors(modes: CasingModes | None, coarser: Sequence[LowestModes]) -> FrequencyErrors | None:
+    """Errors of the natural frequencies of an extrapolated casing by its mesh, None for other casings.
+
+    Parameters
+    ----------
+    modes, coarser : modes of an extrapolated casing on its mesh, and on the coarser ones; None and empty for others
+    """
+    if modes is None or not coarser:
+        return None
+    first = RIGID_MOTIONS if modes.ground == "springs" else 0
+    return frequency_errors(measured_limits(modes, coarser), first)
+
+
+def line_bars(
+    run: xarray.Dataset,
+    diagnosis: Diagnosis,
+    system: System,
+    errors: FrequencyErrors | None,
+    damping_spread: float,
+    remedy: str,
+) -> LineBars:
     """Error bars of all lines of a diagnosis that exceed their floor by the limit of its settings.
 
     Parameters
@@ -52,7 +74,10 @@ def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncerta
     run : signals of the diagnosed run
     diagnosis : its lines
     system : the machine in the casing of the run
-    uncertain : errors of the natural frequencies of the casing, and spread of its damping
+    errors : of the natural frequencies of the casing, None if they are not known
+    damping_spread : relative; in 90 % of the samples the damping ratios are multiplied by a factor between
+        1/(1 + damping_spread) and 1 + damping_spread
+    remedy : setting that makes unknown errors known
 
     Raises
     ------
@@ -67,8 +92,8 @@ def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncerta
         lines = diagnosis.lines.where(window=window).of("envelope", "sideband", "mesh", "shaft")
         lines = lines.at(np.flatnonzero(lines.over_floor >= diagnosis.settings.floor_limit).tolist())
         if len(lines):
-            found += _window_bars(_Window(run, diagnosis, window, system, form), lines, uncertain, missed)
-    return LineBars(bars=tuple(found), notes=notes(missed, uncertain.remedy, uncertain.damping_spread))
+            found += _window_bars(_Window(run, diagnosis, window, system, form), lines, errors, damping_spread, missed)
+    return LineBars(bars=tuple(found), notes=notes(missed, remedy if errors is None else "", damping_spread))
 
 
 class _Window:
@@ -121,9 +146,11 @@ class _Window:
         return levels, missed
 
 
-def _window_bars(window: _Window, lines: LineTable, uncertain: Uncertain, missed: list[str]) -> list[LineBar]:
-    form, near, errors = window.form, window.path.near, uncertain.errors
-    parts = [nominal_samples(form, near), sampled_damping(form, near, uncertain.damping_spread, SAMPLES, SEED)]
+def _window_bars(
+    window: _Window, lines: LineTable, errors: FrequencyErrors | None, damping_spread: float, missed: list[str]
+) -> list[LineBar]:
+    form, near = window.form, window.path.near
+    parts = [nominal_samples(form, near), sampled_damping(form, near, damping_spread, SAMPLES, SEED)]
     if errors is not None:
         parts += [sampled_frequencies(form, near, errors, SAMPLES, SEED), single_errors(form, near, errors)]
     levels, off = window.changes(lines, joined(parts))

@@ -235,11 +235,11 @@ def _shaft_lines(
     found = synchronous(averaged)
     irregular = cut.values - averaged.regular[:, None, :]
     laid = irregular.reshape(len(irregular), -1)
-    ends = cut.share(band[0]), cut.share(band[1])
+    low, high = (end / cut.frequency / cut.values.shape[2] for end in band)  # of the sampling rate of the turns
     orders = WHITE * min(gear.teeth for gear in gears) if gears else GUARD_ORDER
     width = orders / cut.values.shape[2]
     ratios = [other.ratio / shaft.ratio for other in kinematics.shafts]
-    plain, white = (one.reshape(cut.values.shape) for one in banded(laid, ends, width))
+    plain, white = (one.reshape(cut.values.shape) for one in banded(laid, (low, high), width))
     envelope = squared_magnitude(plain)
     found |= {"envelope_orders": envelope_orders(envelope), "whitened_kurtosis": kurtosis(white.mean(axis=1).real)}
     lines: Lines = {(shaft.name, name): cut.order(order) for name, order in OF_SHAFT.items()}

@@ -42,10 +42,6 @@ class Turns:
         averaged = np.einsum("ctp,t->cp", self.values, weights / weights.sum())
         return 2.0 * np.abs(np.fft.rfft(averaged, axis=-1)[:, number]) / averaged.shape[-1]
 
-    def share(self, frequency: float) -> float:
-        """A frequency (Hz) divided by the sampling rate of the values."""
-        return frequency / self.frequency / self.values.shape[2]
-
 
 def cut_turns(
     signal: np.ndarray, time: np.ndarray, rotation: Rotation, ratio: float, window: tuple[float, float]

@@ -53,19 +53,13 @@ def revolutions(
     """
     angle = ratio * rotation.angle
     part = within(time, window or (float(time[0]), float(time[-1])))
-    found = [
-        _positions(angle, slice(part.start + stretch.start, part.start + stretch.stop), per_turn)
-        for stretch in moving_stretches(angle[part])
-    ]
-    out = np.empty((*values.shape[:-1], sum(len(position) for position, _ in found), per_turn))
-    row = 0
-    for position, cutoff in found:
-        rows = slice(row, row + len(position))
-        row = rows.stop
-        out[..., rows, :] = interpolated(values, position.ravel(), cutoff.ravel()).reshape(
-            *values.shape[:-1], *position.shape
-        )
-    return out
+    found = [np.empty((*values.shape[:-1], 0, per_turn))]
+    for stretch in moving_stretches(angle[part]):
+        whole = slice(part.start + stretch.start, part.start + stretch.stop)
+        position, cutoff = _positions(angle, whole, per_turn)
+        cut = interpolated(values, position.ravel(), cutoff.ravel())
+        found.append(cut.reshape(*values.shape[:-1], *position.shape))
+    return np.concatenate(found, axis=-2)
 
 
 def within(time: np.ndarray, window: tuple[float, float]) -> slice:
