@@ -90,7 +90,8 @@ def compared(verdict: Verdict) -> list[str]:
     found += ["Their levels depend on the speed and are taken at that of this recording."] if verdict.at_speed else []
     if verdict.outlying:
         found.append(
-            f"Left out because they differ from the other healthy recordings: {', '.join(verdict.outlying)}. Check them."
+            f"Left out because they differ from the other healthy recordings: {', '.join(verdict.outlying)}. "
+            "Check them."
         )
     if verdict.healthy + len(verdict.outlying) < FEWEST_FOR_OUTLYING:
         found.append(f"Give {FEWEST_FOR_OUTLYING} or more to find a damaged one among them.")
