@@ -148,7 +148,7 @@ def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
                     "tooth": one.tooth,
                 }
             rows.append(row)
-    return grid("The diagnosis beside the damage of the scene, which it does not use", rows)
+    return grid("The diagnosis next to the damage of the scene, which it does not use", rows)
 
 
 def text(cases: Sequence[Case], damages: Sequence[Damage]) -> str:
