@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["Diagnosis", "DiagnosisError", "DiagnosisSettings", "diagnose"]
 
 STATES = ("faulty", "healthy")
+_LINES_SHOWN = 12
 LINE_WIDTH = 2.0  # bins; a rope mode this close to a line cannot be distinguished from it
 
 
@@ -48,17 +49,23 @@ class Diagnosis:
     envelopes: Mapping[tuple[str, str], Spectrum]
 
     def __repr__(self) -> str:
-        detected = f"{int(self.lines.detected.sum())} of {len(self.lines)} lines detected"
-        return f"<Diagnosis: {self.load}, deviations {self.deviations}, {detected}>"
+        return f"<Diagnosis: {self.load}, deviations {self.deviations}, {self._words()}>"
+
+    def _words(self) -> str:
+        return f"{int(self.lines.detected.sum())} of {len(self.lines)} lines detected"
 
     def _repr_html_(self) -> str:
-        """The lines and spectra of the first window, for a notebook."""
-        from pipelines.diagnosis.line_words import lines_grid
-
-        window = next(iter(self.settings.windows))
+        """The lines with the largest increase over the control, and the spectra of the first window, for a notebook."""
+        units, window = self.lines.units(), next(iter(self.settings.windows))
+        rising = self.lines.at(np.argsort(-self.lines.difference)[:_LINES_SHOWN].tolist())
+        names = ("window", "kind", "label", "frequency", "faulty", "healthy", "difference", "detected")
+        rows = [[row[name] for name in names] for row in rising.to_dicts()]
+        title = f"{self._words()}; the {len(rows)} with the largest increase over the control"
+        heads = [name if units[name] in ("", "1") else f"{name}, {units[name]}" for name in names]
+        table = shown_html.table(title, heads, rows)
         amplitudes = {state: self.spectra[state, window].amplitude for state in STATES}
         across = self.spectra["faulty", window].frequency
-        return lines_grid(self, window).to_html() + shown_html.curves(f"Hz, {window}", across, "m/s2", amplitudes)
+        return table + shown_html.curves(f"Hz, {window}", across, "m/s2", amplitudes)
 
 
 def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: DiagnosisSettings) -> Diagnosis:

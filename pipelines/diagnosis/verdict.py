@@ -5,8 +5,9 @@
 
 from __future__ import annotations
 
-import html
 from dataclasses import dataclass
+
+from fem.storage import shown_html
 
 DIFFERENT, ALARM = 0.01, 0.001  # probabilities that a healthy machine is called different, or damaged
 
@@ -109,18 +110,28 @@ class Verdict:
         return () if self.first.repeating else tuple(one.partition(":")[0] for one in self.left_out)
 
     def __repr__(self) -> str:
+        return f"<Verdict: {self._words()}; first {self.first.component}, {decibels(self.first.evidence.increase)} dB>"
+
+    def _words(self) -> str:
         found = {True: "damaged", False: "no damage", None: "baseline too small to decide"}[self.damaged]
         found += f" ({', '.join(self.not_examined)} not examined)" if self.not_examined else ""
-        many = f"{self.healthy} healthy recording{'' if self.healthy == 1 else 's'}"
-        first = f"{self.first.component}, {decibels(self.first.evidence.increase)} dB"
-        return f"<Verdict: {found}, against {many}; first {first}>"
+        return f"{found}, against {self.healthy} healthy recording{'' if self.healthy == 1 else 's'}"
 
     def _repr_html_(self) -> str:
-        """Sentences and the table of components, for a notebook."""
-        from pipelines.diagnosis import verdict_words
-
-        paragraph = html.escape(" ".join(verdict_words.sentences(self)))
-        return f"<p>{paragraph}</p>{verdict_words.ranking_grid(self).to_html()}"
+        """The findings as a table, for a notebook."""
+        rows = [
+            (
+                one.component,
+                decibels(one.evidence.increase),
+                f"{one.evidence.sensor} {one.evidence.axis}",
+                None if one.evidence.p is None else f"{one.evidence.p:.1g}",
+                one.tooth,
+                ", ".join(one.alike),
+            )
+            for one in self.findings
+        ]
+        head = ("component", "increase, dB", "channel", "p-value", "tooth", "same orders as")
+        return shown_html.table(self._words(), head, rows)
 
 
 def decibels(increase: float) -> str:

@@ -106,8 +106,7 @@ def test_a_verdict_shows_its_findings():
         left_out=(),
         not_examined=(),
     )
-    assert cells(found._repr_html_())[1] == ["<wheel>", "+12.0", "1.50", "top z", "", "pinion"]
-    assert "Damaged: &lt;wheel&gt;." in found._repr_html_()
+    assert cells(found._repr_html_())[1] == ["<wheel>", "+12.0", "top z", "0.0005", "-", "pinion"]
     assert repr(found) == "<Verdict: damaged, against 20 healthy recordings; first <wheel>, +12.0 dB>"
     level = replace(one, evidence=replace(evidence, increase=-7e-15))
     assert cells(replace(found, findings=(level,))._repr_html_())[1][1] == "+0.0"
@@ -168,7 +167,5 @@ def test_error_bars_show_themselves():
         for one in (known, unknown)
     ]
     page = LineBars(bars=tuple(lines), notes=("Inputs: the damping.",))._repr_html_()
-    known_to, unknown_to = cells(page)[1:3]
-    assert known_to[3:] == ["-0.10 to +0.25", "time step (100 %)", "-0.10 to +0.25"]
-    assert unknown_to[3:] == ["", "", "-0.10 to +0.25"]
+    assert [row[4:] for row in cells(page)[1:3]] == [["-0.10 to +0.25"] * 2, ["-", "-0.10 to +0.25"]]
     assert "Inputs: the damping." in page

@@ -160,12 +160,11 @@ def brought_together(parts: Sequence[ComparedRecording]) -> tuple[ComparedRecord
             f"no channel is in all recordings ({sensors}). Set the same sensor names in the machine file."
         )
     lowest = min(part.rate for part in parts)
-    return tuple(_at_rate(_with_channels(part, common), lowest) for part in parts)
-
-
-def _with_channels(part: ComparedRecording, channels: Sequence[Channel]) -> ComparedRecording:
-    rows = [part.channels.index(channel) for channel in channels]
-    return replace(part, channels=tuple(channels), acceleration=part.acceleration[rows])
+    rows = [[part.channels.index(channel) for channel in common] for part in parts]
+    return tuple(
+        _at_rate(replace(part, channels=tuple(common), acceleration=part.acceleration[own]), lowest)
+        for part, own in zip(parts, rows, strict=True)
+    )
 
 
 def _at_rate(part: ComparedRecording, rate: float) -> ComparedRecording:

@@ -67,11 +67,19 @@ class LineBars:
 
     def _repr_html_(self) -> str:
         """Table of the lines with their bands, and the notes, for a notebook."""
-        from pipelines.diagnosis.uncertainty.bar_words import bars_grid
-
-        windows = dict.fromkeys(bar.window for bar in self.bars)
-        tables = [bars_grid(self.of(window), window).to_html() for window in windows]
-        return "".join([*tables, shown_html.table("Notes", (), ((note,) for note in self.notes))])
+        head = ("window", "line", "Hz", "m/s²", "numerical uncertainty, dB", "uncertain damping, dB")
+        rows = (
+            (
+                bar.window,
+                bar.label,
+                bar.frequency,
+                bar.level,
+                *(one and str(one) for one in (bar.numerical, bar.inputs)),
+            )
+            for bar in self.bars
+        )
+        notes = shown_html.table("Notes", (), ((note,) for note in self.notes))
+        return shown_html.table("Error bars, 5 to 95 %, relative to the level of the run", head, rows) + notes
 
 
 def band(changes: np.ndarray, alone: dict[str, float]) -> Band:

@@ -105,12 +105,12 @@ def _from_speed(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
     source = f"speed of {shown(name)} by the machine file, uncertainty {100 * uncertainty:g} %"
     if uncertainty <= LEAST:
         return Rotation(angle=angle, source=source, error=uncertainty, absolute=False)
-    best = by_multiples(_channels(recording), angle, kinematics, uncertainty)
-    if best.distance > uncertainty / 2:
+    factor, distance = by_multiples(_channels(recording), angle, kinematics, uncertainty)
+    if distance > uncertainty / 2:
         source += "; the multiples of the shafts in the envelope do not determine it better"
-        return Rotation(angle=angle, source=source, error=uncertainty, absolute=False, likely=best.factor)
+        return Rotation(angle=angle, source=source, error=uncertainty, absolute=False, likely=factor)
     source += "; the multiples of the shafts in the envelope determine it better"
-    return Rotation(angle=best.factor * angle, source=source, error=max(best.distance, LEAST), absolute=False)
+    return Rotation(angle=factor * angle, source=source, error=max(distance, LEAST), absolute=False)
 
 
 def _ratio(kinematics: Kinematics, name: str, what: str) -> float:
