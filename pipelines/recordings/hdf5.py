@@ -64,18 +64,15 @@ def _channels(file: Any) -> Iterator[RecordedChannel]:
             datasets[name.replace("/", ".")] = item
 
     file.visititems(take)
-    setting = _rate(file.attrs)
+    settings = {name: item[()] for name, item in datasets.items() if item.size == 1 and item.dtype.kind in "iuf"}
+    common = _rate(settings) or _rate(file.attrs)
     for name, item in datasets.items():
-        if item.size == 1 and item.dtype.kind in "iuf" and says_rate(name):
-            setting = float(np.ravel(item[()])[0])
-    for name, item in datasets.items():
-        rate = _rate(item.attrs) or setting
-        units = _text(item.attrs.get("units", ""))
+        rate, units = _rate(item.attrs) or common, _text(item.attrs.get("units", ""))
         yield from array_channels(name, item, units=units, rate=rate, problem=blocks_missing(item))
 
 
 def _rate(attributes: Mapping[str, Any]) -> float | None:
-    """The sampling rate (Hz) among the attributes of a dataset or file."""
+    """The sampling rate (Hz) among single numbers, such as the attributes of a dataset or file."""
     return next((float(np.ravel(value)[0]) for name, value in attributes.items() if says_rate(name)), None)
 
 

@@ -112,25 +112,25 @@ def _shafts(table: MachineTable) -> tuple[list[Shaft], list[Problem]]:
                     "Correct teeth or shafts",
                 )
             )
-    for stage, ((one, other), *_) in waiting.items():
-        problems.append(
-            Problem(
-                f"shafts.{stage}",
-                f"no pair connects shafts {one} and {other} to shaft 1",
-                "Connect them by a pair in teeth, or delete them",
-            )
+    problems += [
+        Problem(
+            f"shafts.{stage}",
+            f"no pair connects shafts {one} and {other} to shaft 1",
+            "Connect them by a pair in teeth, or delete them",
         )
+        for stage, ((one, other), *_) in waiting.items()
+    ]
     missing = sorted(set(range(1, max(speeds) + 1)) - speeds.keys()) if not waiting else []
     if missing:
         problems.append(Problem("shafts", f"shaft {missing[0]} is in no pair", "Number the shafts 1, 2, 3, ..."))
     named = [(f"bearings.{number}.shaft", bearing.shaft) for number, bearing in enumerate(table.bearings, 1)]
     sources = {"tachometer": table.tachometer, "speed": table.speed}
     named += [(f"{key}.shaft", source.shaft) for key, source in sources.items() if source is not None]
-    for path, shaft in named:
-        if shaft not in speeds:
-            problems.append(
-                Problem(path, f"there is no shaft {shaft}, allowed are 1 to {len(speeds)}", "Correct the number")
-            )
+    problems += [
+        Problem(path, f"there is no shaft {shaft}, allowed are 1 to {len(speeds)}", "Correct the number")
+        for path, shaft in named
+        if shaft not in speeds
+    ]
     return [Shaft(name=shaft_name(number), ratio=speeds[number]) for number in sorted(speeds)], problems
 
 

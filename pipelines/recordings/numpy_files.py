@@ -38,6 +38,6 @@ def texts(arrays: dict[str, np.ndarray]) -> str:
 
 def named_arrays(arrays: dict[str, np.ndarray]) -> tuple[RecordedChannel, ...]:
     """The channels of named arrays, of which single numbers are settings."""
-    rates = [float(value.item()) for name, value in arrays.items() if value.size == 1 and says_rate(name)]
-    rate = rates[0] if rates else None
+    rates = (float(value.item()) for name, value in arrays.items() if value.size == 1 and says_rate(name))
+    rate = next(rates, None)
     return tuple(channel for name, value in arrays.items() for channel in array_channels(name, value, rate=rate))

@@ -11,7 +11,6 @@ from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
 from pipelines.io.text_table import Grid, grid
 from pipelines.signals.features.definitions import BY_NAME
 from pipelines.signals.orders.revolutions import HIGHEST
-from pipelines.signals.orders.rotation import Rotation
 
 LETTERS = "ABCDEFGHIJ"  # names of the recordings in tables and figures; no more recordings are compared
 
@@ -24,7 +23,8 @@ def recordings_grid(parts: Sequence[ComparedRecording]) -> Grid:
             "recording": part.name,
             "s": f"{window.start:.4g} to {window.end:.4g}",
             "turns": f"{window.turns:.1f}",
-            "rpm": f"{60 * window.frequency:.5g}{_known_to(part.rotation)}",
+            "rpm": f"{60 * window.frequency:.5g}"
+            + (f" (to {100 * part.rotation.error:.1g} %)" if part.rotation.error else ""),
             "f_m Hz": ", ".join(f"{order * window.frequency:.5g}" for order in part.kinematics.mesh_orders().values())
             or "-",
             "samples/s": f"{part.recorded_rate:.6g}",
@@ -98,10 +98,6 @@ def remarks(recorded: Sequence[ComparedRecording], parts: Sequence[ComparedRecor
 
 def _over_first(letter: str) -> str:
     return f"{letter} - A dB"
-
-
-def _known_to(rotation: Rotation) -> str:
-    return f" (to {100 * rotation.error:.1g} %)" if rotation.error else ""
 
 
 def _train(part: ComparedRecording) -> tuple[object, ...]:
