@@ -125,17 +125,16 @@ def _window_lines(
 ) -> LineTable:
     f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
     resolution, top = (float(envelopes["faulty", window].frequency[i]) for i in (1, -1))
-    on_bins: list[tuple[str, int, int]] = [("envelope", 0, k) for k in range(1, settings.envelope_harmonics + 1)]
-    for n in settings.mesh_harmonics:
-        for k in range(-settings.sideband_orders, settings.sideband_orders + 1):
-            on_bins.append(("sideband" if k else "mesh", n, k))
+    sides = range(-settings.sideband_orders, settings.sideband_orders + 1)
+    on_bins = [("envelope", 0, k) for k in range(1, settings.envelope_harmonics + 1)]
+    on_bins += [("sideband" if k else "mesh", n, k) for n in settings.mesh_harmonics for k in sides]
     found = [_Line(kind, _label(n, k), n, k, n * f_m + k * f_r, 0.0) for kind, n, k in on_bins]
     found += _placed_lines(settings, resolution, top)
-    columns: dict[str, Any] = {name: [getattr(line, name) for line in found] for name in _Line._fields[:4]}
-    place, reach = (np.array([line[i] for line in found]) for i in (4, 5))
+    kind, label, harmonic, order, place, reach = (np.array(column) for column in zip(*found, strict=True))
     frequency, between = place.copy(), slice(len(on_bins), None)
     frequency[between] = np.round(place[between] / resolution) * resolution  # the nearest bin
-    is_envelope = np.isin(columns["kind"], IN_ENVELOPE)
+    is_envelope = np.isin(kind, IN_ENVELOPE)
+    columns: dict[str, np.ndarray] = {}
     for state in STATES:
         columns[state], columns[f"{state}_floor"] = np.empty((2, len(found)))
         for spectrum, rows in ((envelopes[state, window], is_envelope), (spectra[state, window], ~is_envelope)):
@@ -144,12 +143,16 @@ def _window_lines(
     difference = level(columns["faulty"], columns["healthy"])
     over_floor = level(columns["faulty"], columns["faulty_floor"])
     rope = float(settings.rope_mode.get(window, 0.0))
-    offset = np.abs(columns["order"]) * f_r
+    offset = np.abs(order) * f_r
     offset[between] = frequency[between]
     return LineTable(
         load_case=(load,) * len(found),
         deviations=(deviations,) * len(found),
         window=(window,) * len(found),
+        kind=tuple(kind),
+        label=tuple(label),
+        order=order,
+        mesh_harmonic=harmonic,
         frequency=frequency,
         difference=difference,
         over_floor=over_floor,
