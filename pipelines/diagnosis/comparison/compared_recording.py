@@ -42,8 +42,7 @@ class Window:
 class ComparedRecording:
     """A recording whose windows are compared.
 
-    `acceleration` (channel, time) in m/s2 holds `channels` at equidistant `time` (s). `recorded_rate` is the sampling
-    rate of the file (Hz), `warnings` are the warnings that it contains.
+    `acceleration` (channel, time) in m/s2 holds `channels` at equidistant `time` (s). `warnings` are those of the file.
     """
 
     name: str
@@ -53,7 +52,6 @@ class ComparedRecording:
     channels: tuple[Channel, ...]
     time: np.ndarray
     acceleration: np.ndarray
-    recorded_rate: float
     warnings: tuple[str, ...]
 
     @property
@@ -112,7 +110,6 @@ def compared_recording(
         channels=tuple(zip(sensors, axes, strict=True)),
         time=time,
         acceleration=values,
-        recorded_rate=(len(time) - 1) / float(time[-1] - time[0]),
         warnings=tuple(stored_warnings(recording.attrs).values()),
     )
 

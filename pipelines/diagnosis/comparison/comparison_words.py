@@ -27,7 +27,7 @@ def recordings_grid(parts: Sequence[ComparedRecording]) -> Grid:
             + (f" (to {100 * part.rotation.error:.1g} %)" if part.rotation.error else ""),
             "f_m Hz": ", ".join(f"{order * window.frequency:.5g}" for order in part.kinematics.mesh_orders().values())
             or "-",
-            "samples/s": f"{part.recorded_rate:.6g}",
+            "samples/s": f"{part.rate:.6g}",
             "speed from": part.rotation.source,
         }
         for letter, part in zip(LETTERS, parts, strict=False)
