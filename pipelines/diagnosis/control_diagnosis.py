@@ -184,10 +184,8 @@ def _placed_lines(settings: DiagnosisSettings, resolution: float, top: float) ->
             reach = max(resolution, spall.spread * f)
             if least < f < top - reach:
                 found.append(_Line("pass", name, 0, k, f, reach))
-    for fault in settings.turning:
-        for name, k, f in fault.monitored():
-            if readable(f, resolution, top):
-                found.append(_Line("shaft", name, 0, k, f, resolution))
+    turning = [line for fault in settings.turning for line in fault.monitored()]
+    found += [_Line("shaft", name, 0, k, f, resolution) for name, k, f in turning if readable(f, resolution, top)]
     return list(dict.fromkeys(found))  # faults of one shaft have the same lines
 
 

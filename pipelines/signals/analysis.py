@@ -105,15 +105,14 @@ def analyse(
     """
     rate, begin = sampling(run)
     signal = noisy_signal(run, settings, stream)
-    segments, spectra, envelopes, pieces = {}, {}, {}, {}
+    segments, spectra, pieces = {}, {}, {}
     for name, (start, end) in settings.windows.items():
         segment = whole_revolutions((start - begin, end - begin), rate, settings.revolution_frequency)
         _check_speed(run, rate, segment, settings, name)
         segments[name], pieces[name] = segment, cut(signal, rate, segment)
         spectra[name] = amplitude_spectrum(pieces[name], segment)
     chosen = envelope_band(settings, list(spectra.values()), rate) if band is None else band
-    for name, segment in segments.items():
-        envelopes[name] = envelope_spectrum(pieces[name], segment, chosen)
+    envelopes = {name: envelope_spectrum(pieces[name], segment, chosen) for name, segment in segments.items()}
     return Analysis(band=chosen, segments=segments, spectra=spectra, envelopes=envelopes)
 
 

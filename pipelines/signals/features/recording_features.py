@@ -249,8 +249,8 @@ def _shaft_lines(
     marks = {}
     for gear in gears:
         of_gear = found | meshing(averaged, gear.teeth)
-        for name, one in zip(CONTRASTS, squares, strict=True):
-            of_gear[name] = tooth_contrast(tooth_energies(one, gear.teeth))
+        energies = (tooth_energies(one, gear.teeth) for one in squares)
+        of_gear |= {name: tooth_contrast(one) for name, one in zip(CONTRASTS, energies, strict=True)}
         names = (*OF_GEAR, *(OF_MESH if complete else ()), *CONTRASTS)
         lines |= {(gear.name, name): of_gear[name] for name in names}
         place = impact_place(tooth_energies(squares[2], FINE * gear.teeth), cut.backwards)

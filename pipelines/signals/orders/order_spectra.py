@@ -51,11 +51,9 @@ class Waterfall(Record):
         centres = np.rint(lines / self.resolution).astype(int)
         if centres.max() + 2 >= self.line.size:
             raise OrderError(f"order {order:g}: beyond the highest line, {self.line[-1]:.4g}. Choose a lower order.")
-        found = np.zeros(len(centres))
-        for offset in range(-2, 3):
-            at = np.clip(centres + offset, 0, self.line.size - 1)
-            found += self.amplitude[np.arange(len(at)), at] ** 2
-        return np.sqrt(found / 1.5)  # the Hann window spreads the power of a tone over 1.5 lines
+        lobe = np.clip(centres[:, None] + np.arange(-2, 3), 0, self.line.size - 1)
+        power = np.sum(np.take_along_axis(self.amplitude, lobe, axis=1) ** 2, axis=1)
+        return np.sqrt(power / 1.5)  # the Hann window spreads the power of a tone over 1.5 lines
 
 
 def order_waterfall(
