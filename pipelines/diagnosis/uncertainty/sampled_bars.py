@@ -28,7 +28,6 @@ from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.uncertainty.bar_records import SAMPLES, Band, LineBar, LineBars, band
 from pipelines.diagnosis.uncertainty.casing_changes import CasingPath
 from pipelines.diagnosis.uncertainty.line_changes import CutRun, envelope_changes, spectrum_changes
-from pipelines.diagnosis.uncertainty.notes import notes
 from pipelines.signals.analysis import channel, sampling
 from pipelines.signals.line_table import LineTable
 from pipelines.signals.spectrum import cut
@@ -40,6 +39,12 @@ SEED = 1
 SEATS, SHAPES, STEP = "modes above and seats", "shapes of casing modes", "time step"
 DAMPING = "damping of the casing"
 MISSED = 1.0  # dB: a larger difference from the recorded line means that forces other than the bearings' excite it
+
+_LEFT_OUT = (
+    "Not in the error bars: the error of the mesh law, which gearcase converge --over gear-mesh and --over slices "
+    "estimate; the effect of the deviations, which gearcase run --seeds shows; modes above the band of the "
+    "reduced casing; and the stiffness of bearing seats, feet and mounts."
+)
 
 
 class BarsError(ValueError):
@@ -93,7 +98,7 @@ def line_bars(
         lines = lines.at(np.flatnonzero(lines.over_floor >= diagnosis.settings.floor_limit).tolist())
         if len(lines):
             found += _window_bars(_Window(run, diagnosis, window, system, form), lines, errors, damping_spread, missed)
-    return LineBars(bars=tuple(found), notes=notes(missed, remedy if errors is None else "", damping_spread))
+    return LineBars(bars=tuple(found), notes=_notes(missed, remedy if errors is None else "", damping_spread))
 
 
 class _Window:
@@ -190,3 +195,33 @@ def _numerical(window: _Window, sampled: np.ndarray, single: np.ndarray) -> Sequ
         shapes = float(np.var(changes)) - sum(change**2 for change in sources.values())
         found.append(band(changes, sources | {SHAPES: math.sqrt(max(shapes, 0.0))}))
     return found
+
+
+def _notes(missed: Sequence[str], remedy: str, damping_spread: float) -> tuple[str, ...]:
+    """Sentences on the errors that the error bars contain and omit.
+
+    Parameters
+    ----------
+    missed : names of lines that forces other than those of the bearings excite, too
+    remedy : setting that makes the error of the casing mesh known, "" if it is known
+    damping_spread : relative spread of the damping ratios, 5 to 95 %
+    """
+    numerical = (
+        f"Numerical uncertainty: 5 to 95 % of {SAMPLES} samples. Each sample changes the natural frequencies of the "
+        "casing within their uncertainty bands, and adds an error of the time step."
+    )
+    if remedy:
+        numerical = (
+            f"The discretisation error of the casing is not known: {remedy}. Only the effect of uncertain damping is "
+            "shown."
+        )
+    damping = (
+        f"Uncertain damping: 5 to 95 % of {SAMPLES} samples. Each sample multiplies all damping ratios of the casing "
+        f"by one factor, in 90 % of the samples between {1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g}. "
+        "This range is an assumption; diagnosis.damping_spread sets it."
+    )
+    incomplete = (
+        "These lines are excited by further forces than those of the bearings, so their error bars are incomplete: "
+        f"{', '.join(missed)}."
+    )
+    return (numerical, damping, _LEFT_OUT, *([incomplete] if missed else []))

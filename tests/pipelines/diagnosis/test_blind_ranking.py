@@ -10,10 +10,9 @@ from turning import MACHINE, recording
 from pipelines.diagnosis.baseline_checks import BaselineError
 from pipelines.diagnosis.deviation_statistics import TAILS, clopper_pearson
 from pipelines.diagnosis.evidence import GroupEvidence, HealthyReference
-from pipelines.diagnosis.judge import damage_p, judge
+from pipelines.diagnosis.judge import alike, damage_p, judge
 from pipelines.diagnosis.known_damage import Case, Damage, any_found, cases_grid, found
 from pipelines.diagnosis.known_damage import sentences as case_sentences
-from pipelines.diagnosis.shared_orders import alike
 from pipelines.diagnosis.simulated_features import FeatureSettings, run_features, window_features
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT
 from pipelines.diagnosis.verdict_words import answer, headline, ranking_grid, sentences
