@@ -321,8 +321,6 @@ def test_what_turns_too_seldom_is_named_with_the_time_it_takes(healthy):
     unsure = Rotation(angle=angle, source="", error=0.0, absolute=False, conditional={"shaft_1": "no sidebands"})
     with pytest.raises(FeatureError, match=r"shaft_1: no sidebands\. .*, correct teeth, set speed with"):
         recording_features(one, MACHINE, unsure, {"none": (1.0, 1.1)})
-    with pytest.raises(FeatureError, match="none: 900 to 910 s is outside the recording, which lasts from 0 to "):
-        run_features(recording(105), FeatureSettings(kinematics=MACHINE, windows={"none": (900.0, 910.0)}))
 
 
 def test_shafts_that_turn_alike_or_nest_cannot_be_told_apart():
