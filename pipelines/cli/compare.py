@@ -13,7 +13,7 @@ from pipelines.io.errors import InputError
 from pipelines.io.shown_text import shown
 from pipelines.io.user_files import is_regular_file, writable_folder, write_whole
 from pipelines.runs import run_folder
-from pipelines.runs.judged_recording import machine_of, recording_and_window, requested_windows
+from pipelines.runs.recorded_file import machine_of, recording_and_window, requested_windows
 
 if TYPE_CHECKING:
     from pipelines.diagnosis.comparison.compared_features import Features

@@ -73,7 +73,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the verdict and the tables of recordings, or of a run compared with its control, without simulation."""
-    from pipelines.runs.judged_recording import recording_and_window
+    from pipelines.runs.recorded_file import recording_and_window
     from pipelines.runs.run_folder import RESPONSE
 
     path, asked = recording_and_window(options.records[0])
@@ -91,15 +91,9 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.shown_text import shown
     from pipelines.io.text_table import WIDTH
     from pipelines.io.user_files import writable_folder
-    from pipelines.runs.judged_recording import (
-        courses_of,
-        file_facts,
-        file_words,
-        files_grid,
-        judge_files,
-        order_of,
-        recorded_parts,
-    )
+    from pipelines.runs.judged_recording import courses_of, judge_files, order_of
+    from pipelines.runs.judged_words import file_facts, file_words, files_grid
+    from pipelines.runs.recorded_file import recorded_parts
 
     if options.settings:
         raise InputError(
@@ -169,8 +163,7 @@ def _run(options: argparse.Namespace, folder: Path) -> Iterator[str]:
     with opened_run(folder / RESPONSE) as run:
         measured = levels(run, found.settings.windows)
     if options.json:
-        facts = bars if isinstance(bars, str) else bars.to_dict()
-        own = {"error_bars": facts, "levels": measured}
+        own = {"error_bars": bars, "levels": measured}
         yield json_text({"verdict": answered["cases"]} | diagnosis_facts([found]) | own)
     else:
         answer = answered["words"] or f"No verdict: {answered['failure']}\n"

@@ -93,7 +93,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.user_files import writable_folder
     from pipelines.machine.machine_conversion import make_drivetrain
     from pipelines.report.figures.order_plots import campbell_figure, cuts_figure, waterfall_figure
-    from pipelines.runs.judged_recording import recording_and_window
+    from pipelines.runs.recorded_file import recording_and_window
     from pipelines.signals.orders.order_spectra import OrderError, frequency_waterfall, order_waterfall
 
     (source, asked), work = recording_and_window(options.run), Work(quiet=options.quiet)
@@ -204,7 +204,7 @@ def _read_file(options: argparse.Namespace, windowed: bool) -> _RunUp:
     InputError : no such shaft, sensor or axis; the recording or its machine cannot be used
     """
     from pipelines.diagnosis.comparison.compared_recording import chosen_channel
-    from pipelines.runs.judged_recording import recorded_parts
+    from pipelines.runs.recorded_file import recorded_parts
 
     part = recorded_parts([options.run], options.machine, None)[0]
     inside = (part.time >= part.windows[0].start) & (part.time <= part.windows[0].end) | (not windowed)

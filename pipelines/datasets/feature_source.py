@@ -20,7 +20,7 @@ from pipelines.io.errors import InputError
 from pipelines.io.shown_text import shown
 from pipelines.io.user_files import whole_file
 from pipelines.recordings.formats import BY_ENDING
-from pipelines.runs.judged_recording import machine_of, read_features, recording_and_window, requested_windows
+from pipelines.runs.recorded_file import machine_of, read_features, recording_and_window, requested_windows
 from pipelines.runs.run_folder import RESPONSE
 
 if TYPE_CHECKING:

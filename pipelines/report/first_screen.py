@@ -21,7 +21,7 @@ from pipelines.report.first_figures import average_figure, envelope_figure
 from pipelines.scene.tables.diagnosis import Monitored
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
 from pipelines.signals.features.shaft_turns import cut_turns
-from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, average
+from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, Average
 from pipelines.signals.orders.kinematics import Gear, Kinematics
 from pipelines.signals.orders.rotation import Rotation
 
@@ -259,7 +259,7 @@ def over_teeth(
     turns = cut_turns(signal, run.time.values, rotation, 1.0, settings.windows[window])
     if turns is None or turns.count < FEWEST_TURNS:
         return None
-    residual = average(turns.values, turns.orders, dict(enumerate(meshes))).residual
+    residual = Average(values=turns.values.mean(axis=1), orders=turns.orders, teeth=meshes).residual
     half, count = gear.teeth / 2, residual.shape[1]
     place = (gear.cycle + gear.teeth * np.arange(count) / count + half) % gear.teeth - half
     order = np.argsort(place)

@@ -90,7 +90,7 @@ def _compared_spectra(diagnoses: Sequence[Diagnosis]) -> list[str]:
             segment = diagnosis.segments[window]
             caption = (
                 f"{_named(diagnosis, window)}: one-sided peak amplitudes over {segment.revolutions} revolutions of the "
-                f"shaft of the damaged gear ({_length(segment)}), {_window_name(diagnosis.settings)}, "
+                f"shaft of the damaged gear ({_length(segment)}), Hann window, "
                 f"sensor noise {diagnosis.noise:.3g} m/s² rms."
             )
             parts.append(page.picture(spectrum_figure(diagnosis, window), caption, "static"))
@@ -111,7 +111,7 @@ def _own_spectra(analysis: Analysis, settings: DiagnosisSettings) -> list[str]:
         segment = analysis.segments[window]
         caption = (
             f"Spectrum in the window {window}: one-sided peak amplitudes over {segment.revolutions} revolutions of the "
-            f"shaft with f_r ({_length(segment)}), {_window_name(settings)}, with sensor noise."
+            f"shaft with f_r ({_length(segment)}), Hann window, with sensor noise."
         )
         parts.append(page.picture(single_spectrum_figure(spectrum, settings, title), caption, "static"))
     return parts
@@ -206,10 +206,6 @@ def all_lines(diagnoses: Sequence[Diagnosis], seeds: Sequence[Diagnosis]) -> lis
         inside = "".join(page.table(lines_grid(diagnosis, window)) for window in diagnosis.settings.windows)
         parts.append(page.folded(f"Lines of {case_name(diagnosis)}", inside))
     return parts
-
-
-def _window_name(settings: DiagnosisSettings) -> str:
-    return f"{settings.spectrum_window.capitalize()} window"
 
 
 def _faulty(diagnosis: Diagnosis, window: str) -> tuple[Spectrum, Spectrum]:

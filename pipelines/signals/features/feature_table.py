@@ -85,15 +85,6 @@ class FeatureTable(Record):
             "level_dB": 20.0 * level.ravel(),
         }
 
-    def labelled(self) -> xarray.DataArray:
-        """The values as an array over sensor, axis, component and feature; missing values are NaN."""
-        values: dict[tuple[str, ...], float] = {
-            (sensor, axis, *line): self.value[i, j]
-            for i, (sensor, axis) in enumerate(zip(self.sensor, self.axis, strict=True))
-            for j, line in enumerate(self.lines)
-        }
-        return labelled_array(values, ("sensor", "axis", "component", "feature")).rename("features")
-
 
 def confirmed(tables: Sequence[FeatureTable]) -> list[FeatureTable]:
     """The tables of one machine without components of conditional speed, which are added to `left_out`.

@@ -70,8 +70,10 @@ def pass_levels(
     for step in (per_order * ratio for ratio in shafts if per_order * ratio >= FEWEST_LINES):
         free &= np.abs(place - step * np.round(place / step)) > _LOBE + min(error, SCATTER) * place
     found = {(name, PASSING): _level(lines, free, order * per_order) for name, order in orders.items()}
-    for name, distance in (sidebands or {}).items():
-        found[name, SIDEBANDS] = _level(lines, free, orders[name] * per_order, distance * per_order)
+    found |= {
+        (name, SIDEBANDS): _level(lines, free, orders[name] * per_order, distance * per_order)
+        for name, distance in (sidebands or {}).items()
+    }
     return {name: level for name, level in found.items() if level is not None}
 
 

@@ -22,7 +22,8 @@ from pipelines.io.shown_text import shown
 from pipelines.machine.machine_model import MachineModel
 from pipelines.machine.scene_kinematics import kinematics_of
 from pipelines.recordings.machine_file import MeasuredMachine
-from pipelines.runs.judged_recording import SAME_SPEED, read_features, recording_and_window, requested_windows
+from pipelines.runs.judged_recording import SAME_SPEED
+from pipelines.runs.recorded_file import read_features, recording_and_window, requested_windows
 from pipelines.scene.load_scene import LoadedScene
 from pipelines.signals.features.feature_table import WHOLE
 from pipelines.studies.calibrate.free_keys import AFTER, BEFORE, FEWEST, STATE, Free, agreement_plan, calibration_plan

@@ -16,7 +16,7 @@ from scipy.io import loadmat
 from synthetic import MESH, WHEEL, response
 
 from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
-from pipelines.diagnosis.result_export import ExportError, export
+from pipelines.diagnosis.result_export import export
 from pipelines.io.text_table import Grid, GridError, cell, grid
 from pipelines.report import page
 from pipelines.report.chart_data import extremes, largest, views
@@ -344,8 +344,3 @@ def test_mat_comes_back_with_units_and_labels(tmp_path):
     assert content["units"]["mesh_force"] == "N"
     assert content["labels"]["state"] == "missing-tooth"
     assert list(content["coordinates"]["axis"]) == ["x", "y", "z"]
-
-
-def test_unknown_format_is_refused(tmp_path):
-    with pytest.raises(ExportError, match="csv, mat"):
-        export(response(duration=0.02), tmp_path / "r.xls", "xls")
