@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections import defaultdict
 
-from pipelines.cli.command_line import Printed
+from pipelines.cli.command_line import Printed, argument
 from pipelines.io.argument_types import days
 
 HELP = """\
@@ -17,24 +17,22 @@ gearcase cache info
   casing               1 entry          0.0 MB
 ...
   all                  6 stored         6.2 MB"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """What is done, and with which entries."""
-    sub.add_argument(
+ARGUMENTS = (
+    argument(
         "action",
         choices=("info", "verify", "clear"),
         nargs="?",
         default="info",
         help="info: sizes by kind of step; verify: check and remove damaged entries; clear: remove (default info)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--older-than",
         metavar="DAYS",
         type=days,
         default=0.0,
         help="with clear: remove only entries that were not used for this number of days (default 0: all)",
-    )
+    ),
+)
 
 
 def main(options: argparse.Namespace) -> Printed:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from pipelines.cli.command_line import json_argument, scene_arguments
+from pipelines.cli.command_line import JSON, SCENE
 
 if TYPE_CHECKING:
     from pipelines.runs.checked_scene import Checked
@@ -25,12 +25,10 @@ Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on rope
 ...
   control: rig-healthy
 ..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """A scene."""
-    scene_arguments(sub)
-    json_argument(sub)
+ARGUMENTS = (
+    *SCENE,
+    JSON,
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:

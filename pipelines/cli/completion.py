@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
+from pipelines.cli.command_line import argument, parser
+
 SHELLS = ("bash", "zsh", "tcsh")  # that shtab supports
 HELP = """\
 Print the script by which a shell completes commands, options and file names. For bash, write it to
@@ -14,11 +16,7 @@ gearcase completion bash
 ...
 _shtab_gearcase_runs_subparsers=(list open compare clean)
 ..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the argument: the shell."""
-    sub.add_argument("shell", metavar="SHELL", choices=SHELLS, help=f"shell: {', '.join(SHELLS)}")
+ARGUMENTS = (argument("shell", metavar="SHELL", choices=SHELLS, help=f"shell: {', '.join(SHELLS)}"),)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
@@ -28,8 +26,6 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     ``_gearcase`` of a folder of ``fpath``.
     """
     import shtab
-
-    from pipelines.cli.command_line import parser
 
     top = parser()
     _complete_files(top, shtab.FILE)

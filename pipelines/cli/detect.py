@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import campaign_arguments, scene_arguments, work_of
+from pipelines.cli.command_line import SCENE, argument, campaign_arguments, work_of
 from pipelines.io.argument_types import count, from_zero
 
 HELP = """\
@@ -19,41 +19,35 @@ labels      60 chipped-tooth, 28 healthy
 ...
 time        about 4 minutes on 2 cores: ...
 disk        about 324 MB in 440 files, 5 for each simulation"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Damage, noise, and how many machines."""
-    scene_arguments(sub)
-    sub.add_argument(
+ARGUMENTS = (
+    *SCENE,
+    argument(
         "--over",
         metavar="KEY=VALUES",
         action="append",
         default=[],
         help="values of a key of the scene, as KEY=from:to:step or KEY=a,b,c; repeatable (default: the fault as in the "
         "scene)",
-    )
-    sub.add_argument(
-        "--seeds", metavar="N", type=count, default=10, help="damaged machines for each value (default 10)"
-    )
-    sub.add_argument(
-        "--baseline", metavar="N", type=count, default=8, help="healthy machines to compare with (default 8)"
-    )
-    sub.add_argument(
+    ),
+    argument("--seeds", metavar="N", type=count, default=10, help="damaged machines for each value (default 10)"),
+    argument("--baseline", metavar="N", type=count, default=8, help="healthy machines to compare with (default 8)"),
+    argument(
         "--healthy",
         metavar="N",
         type=count,
         default=20,
         help="further healthy machines, for the rate of false alarms (default 20)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--noise",
         metavar="RMS",
         type=from_zero,
         nargs="+",
         default=[],
         help="sensor noise, m/s2 rms; several values need no further simulations (default: that of the scene)",
-    )
-    campaign_arguments(sub, "detect")
+    ),
+    *campaign_arguments("detect"),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:

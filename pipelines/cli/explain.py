@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from pipelines.cli.command_line import scene_arguments
+from pipelines.cli.command_line import SCENE
 
 HELP = """\
 Print which steps of a run would be reused from the cache, which would be computed, and which changed setting is the
@@ -16,11 +16,7 @@ First run: the cache holds no results of a similar scene to compare with.
 ...
 compute  law_1
 ..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """A scene."""
-    scene_arguments(sub)
+ARGUMENTS = (*SCENE,)
 
 
 _WORDS = {"reuse": "reuse", "build": "compute", "follow": "perhaps"}

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
+from pipelines.cli.command_line import JSON, WORK, argument, scene_and_work
 from pipelines.io.argument_types import number, positive
 
 if TYPE_CHECKING:
@@ -29,27 +29,25 @@ mode  frequency Hz  damping ratio %  shafts %  bearings %  casing %  drive %  me
 ...
 mesh 1: force 1061 N, tangent stiffness 146.9 N/um
 ..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """A scene, and the state about which it is linearised."""
-    work_arguments(sub)
-    sub.add_argument("--up-to", metavar="HZ", type=positive, default=10e3, help="highest frequency, Hz (default 10000)")
-    sub.add_argument(
+ARGUMENTS = (
+    *WORK,
+    argument("--up-to", metavar="HZ", type=positive, default=10e3, help="highest frequency, Hz (default 10000)"),
+    argument(
         "--cycle",
         metavar="C",
         type=number,
         help="position of stage 1, in mesh cycles; at position N the damaged tooth N makes contact at the pitch point "
         "(default: that at the start of the simulation)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--speed",
         type=number,
         default=0.0,
         metavar="RPM",
         help="motor speed for losses and gyroscopic moments, rpm (default 0)",
-    )
-    json_argument(sub)
+    ),
+    JSON,
+)
 
 
 KINDS = {"shaft": "shafts", "bearing": "bearings", "casing": "casing", "rope": "rope", "drive": "drive"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
+from pipelines.cli.command_line import argument
 from pipelines.io.argument_types import path
 
 HELP = """\
@@ -13,19 +14,17 @@ in REXS. An existing file is never overwritten. Takes seconds."""
 EXAMPLE = """\
 gearcase new my.toml --from bench
 my.toml written from bench. Change it, then: gearcase check my.toml"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments: the file, and the scene or gear unit that it is copied from."""
-    sub.add_argument("file", metavar="FILE", type=path, help="scene file to write, ending in .toml; it must not exist")
-    sub.add_argument(
+ARGUMENTS = (
+    argument("file", metavar="FILE", type=path, help="scene file to write, ending in .toml; it must not exist"),
+    argument(
         "--from",
         metavar="SOURCE",
         type=path,
         dest="source",
         default="bench",
         help="scene to copy, or gear unit in REXS: .rexs, .rexsj or .rexsz (default: bench)",
-    )
+    ),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
+from pipelines.cli.command_line import argument
 from pipelines.io.argument_types import path
 
 HELP = (
@@ -13,11 +14,7 @@ HELP = (
 EXAMPLE = """\
 gearcase schema --out scene.schema.json
 scene.schema.json"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """The file."""
-    sub.add_argument("--out", metavar="FILE", type=path, help="file to write (default: print the schema)")
+ARGUMENTS = (argument("--out", metavar="FILE", type=path, help="file to write (default: print the schema)"),)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from pipelines.cli.command_line import announce, out_argument, scene_and_work, work_arguments
+from pipelines.cli.command_line import RUN_FOLDER, WORK, announce, scene_and_work
 
 HELP = """\
 Simulate the machine and write its signals to response.nc in a result folder, by default under ./runs.
@@ -14,12 +14,10 @@ the scenes `rig-...`."""
 EXAMPLE = """\
 gearcase simulate minimal
 signals: runs/minimal/2026-11-25_00-50-21/response.nc"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """A scene, and its result folder."""
-    work_arguments(sub)
-    out_argument(sub)
+ARGUMENTS = (
+    *WORK,
+    RUN_FOLDER,
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:

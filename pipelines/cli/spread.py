@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import campaign_arguments, scene_arguments, work_of
+from pipelines.cli.command_line import SCENE, argument, campaign_arguments, work_of
 from pipelines.io.argument_types import count, path
 from pipelines.signals.features.definitions import BY_NAME
 
@@ -20,27 +20,25 @@ scenes      100
 ...
 time        about 34 s on 2 cores: ...
 disk        about 22.5 MB in 300 files, 3 for each simulation"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """The scene, the population, and how many machines."""
-    scene_arguments(sub)
-    sub.add_argument(
+ARGUMENTS = (
+    *SCENE,
+    argument(
         "--over",
         metavar="PLAN",
         type=path,
         help="plan of a campaign whose variables are the population (default: scatter as in docs/campaigns.md)",
-    )
-    sub.add_argument("--machines", metavar="N", type=count, help="number of machines (default: that of PLAN, or 100)")
-    sub.add_argument(
+    ),
+    argument("--machines", metavar="N", type=count, help="number of machines (default: that of PLAN, or 100)"),
+    argument(
         "--feature",
         metavar="NAME",
         action="append",
         choices=[*BY_NAME],
         default=[],
         help="feature of the figure, as in docs/features.md; repeatable (default: those with the widest intervals)",
-    )
-    campaign_arguments(sub, "spread")
+    ),
+    *campaign_arguments("spread"),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from pipelines.cli.command_line import scene_and_work, work_arguments
+from pipelines.cli.command_line import WORK, argument, scene_and_work
 from pipelines.io.argument_types import several
 
 HELP = """\
@@ -17,14 +17,10 @@ gearcase starts minimal --set load.container_kg=2
 level                         mean  mean +/- (95 % interval)  standard deviation  lowest  highest
 ...
 sensor_3 rms, lifting, m/s2  0.798                  0.009512             0.01138  0.7769   0.8056"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """How many motions."""
-    work_arguments(sub)
-    sub.add_argument(
-        "--starts", type=several, metavar="N", default=8, help="number of initial states, 2 or more (default 8)"
-    )
+ARGUMENTS = (
+    *WORK,
+    argument("--starts", type=several, metavar="N", default=8, help="number of initial states, 2 or more (default 8)"),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from pipelines.cli.command_line import scene_and_work, work_arguments
+from pipelines.cli.command_line import WORK, argument, scene_and_work
 from pipelines.io.argument_types import picture, seconds, share
 
 HELP = """\
@@ -19,28 +19,24 @@ gearcase tradeoff minimal --error 2%
 Within 2 % error of sensor rms the least expensive is "combination: mesh law standard, step 100 us" (1.91 s, 0.36 %).
 ...
 plot: tradeoff-minimal.png"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Target error and time."""
-    work_arguments(sub)
-    sub.add_argument(
+ARGUMENTS = (
+    *WORK,
+    argument(
         "--error",
         type=share,
         metavar="E",
         default=0.02,
         help="print the least expensive choice within this error, a fraction or as in 2%% (default 2%%)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--time",
         type=seconds,
         metavar="T",
         default=10.0,
         help="print the most accurate choice within this time, s (default 10)",
-    )
-    sub.add_argument(
-        "--out", type=picture, metavar="FILE", help="plot, .png, .svg or .pdf (default: ./tradeoff-<scene>.png)"
-    )
+    ),
+    argument("--out", type=picture, metavar="FILE", help="plot, .png, .svg or .pdf (default: ./tradeoff-<scene>.png)"),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from pipelines.cli.command_line import quiet_argument, work_of
-from pipelines.io.argument_types import count, path, several
+from pipelines.cli.command_line import QUIET, STEPS_AT_ONCE, argument, work_of
+from pipelines.io.argument_types import path, several
 from pipelines.scene.presets import PRESETS
 
 HELP = """\
@@ -18,30 +18,19 @@ gearcase verify rig --out claims
 ...
 claims/claims.md
 claims/claims.json"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments: the study, the number of seeds, and the preset."""
-    sub.add_argument("what", metavar="WHAT", choices=("rig",), help="study to check: rig, the quay-crane hoist rig")
-    sub.add_argument(
-        "--seeds", type=several, metavar="N", default=5, help="seeds of the deviations, 2 or more (default 5)"
-    )
-    sub.add_argument(
+ARGUMENTS = (
+    argument("what", metavar="WHAT", choices=("rig",), help="study to check: rig, the quay-crane hoist rig"),
+    argument("--seeds", type=several, metavar="N", default=5, help="seeds of the deviations, 2 or more (default 5)"),
+    argument(
         "--preset",
         choices=PRESETS,
         default="standard",
         help="accuracy of meshes and time step, from coarse (draft) to fine (reference) (default standard)",
-    )
-    sub.add_argument(
-        "--out", metavar="FOLDER", type=path, help="folder for claims.md and claims.json (default: print only)"
-    )
-    sub.add_argument(
-        "--processes",
-        type=count,
-        metavar="N",
-        help="number of parts of the computation (meshes, motions, pictures) that run at the same time (default 2)",
-    )
-    quiet_argument(sub)
+    ),
+    argument("--out", metavar="FOLDER", type=path, help="folder for claims.md and claims.json (default: print only)"),
+    STEPS_AT_ONCE,
+    QUIET,
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
