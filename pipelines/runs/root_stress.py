@@ -51,13 +51,13 @@ def loaded_teeth(
     SceneWarning : the stage has a crack, which the finite elements do not contain
     """
     from pipelines.engine.step import Graph
-    from pipelines.report.figures.picture_geometry import placed_pair, stage_view
     from pipelines.report.figures.tooth_stress_pictures import (
         FORMATS,
         StressView,
         teeth_in_mesh,
         write_teeth,
     )
+    from pipelines.runs.inspect_gears import InspectedStage
     from pipelines.steps.pair_curves import acting, law_names, pair_laws
 
     stage = options.stage
@@ -78,20 +78,15 @@ def loaded_teeth(
     crack = _NOTE if CRACK in kinds else ""
     if crack:
         warnings.warn(f"stage {stage}: {crack}. {_REMEDY}", SceneWarning, stacklevel=2)
-    placed = placed_pair(machine, stage)
-    damaged = stage_view(placed, found.healthy, in_mesh=True)
-    healthy = stage_view(placed, found.healthy, in_mesh=True, damaged=False)
+    shown = InspectedStage(machine=machine, laws=found).shown()
     if target is not None:
         target.parent.mkdir(parents=True, exist_ok=True)
-        write_teeth(states[-1], target, healthy.frame)
+        write_teeth(states[-1], target, shown["gears"].frame)
     healthy_name = "healthy, without the crack" if crack else "healthy"
     names = (healthy_name, ", ".join(kind.replace("-", " ") for kind in kinds))[: len(states)]
     roots = [root_stresses(pair, teeth) for teeth in states]
     view = StressView(
-        title=f"{machine.title}: stage {stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
-        gears=healthy,
-        damaged=None if placed.fault is None else damaged,
-        marked=found.passages[0].name if found.passages else "",
+        **shown,
         note=crack,
         model=f"model solid, refinement {model.refinement:g}, {model.slices} slices along the face",
         force=force,

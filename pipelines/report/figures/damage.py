@@ -22,7 +22,7 @@ from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 from fem.gears.sector_mesh import root_chord
 from pipelines.report.figures.damaged_tooth import DrawnTooth, ToothSection, cut_down, stations, surface_of
-from pipelines.report.figures.tooth_surfaces import swept
+from pipelines.report.figures.tooth_surfaces import swept, twist
 
 DRAWN_DEPTH = 0.12  # modules: depth of wear in the picture
 _ROUND = (1.0, 2.0, 5.0)
@@ -33,20 +33,17 @@ def needs_law(faults: Sequence[ToothFault]) -> bool:
     return any(type(fault) not in DRAWN for fault in faults)
 
 
-def drawn_tooth(
-    pair: GearPair, law: MeshLaw | None, gear: str, twist: float, faults: Sequence[ToothFault]
-) -> DrawnTooth:
+def drawn_tooth(pair: GearPair, law: MeshLaw | None, gear: str, faults: Sequence[ToothFault]) -> DrawnTooth:
     """Damaged tooth of "pinion" or "wheel" with all of `faults`.
 
     Parameters
     ----------
     pair, law : the gears in mesh, and the law of their drive flank, None if `needs_law` is false
     gear : "pinion" or "wheel"
-    twist : of the section along the face, rad/m
     faults : of the tooth
     """
     fine = any(isinstance(fault, FlankDamage) for fault in faults)
-    section = ToothSection(gear=getattr(pair, gear), twist=twist, flank_points=96 if fine else 24)
+    section = ToothSection(gear=getattr(pair, gear), flank_points=96 if fine else 24)
     edges = [edge for fault in faults for edge in _edges(fault, pair.face_width)]
     face = stations(pair.face_width, edges, 161 if fine else 25)
     height = np.full(face.size, np.inf)
@@ -106,7 +103,7 @@ def _with_crack(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault:
     inwards = np.array([-math.cos(fault.angle), -side * math.sin(fault.angle)])
     along = np.linspace(0.0, 1.0, 9)
     flat = mouth + along[None, :, None] * depth[:, None, None] * inwards
-    sheet = swept(flat, section.twist, inside[:, None])
+    sheet = swept(flat, twist(section.gear), inside[:, None])
     ends = [sheet[row] for row in (0, -1) if abs(abs(inside[row]) - pair.face_width / 2) < 1e-9]
     extent = pair.face_width if fault.extent is None else fault.extent
     falling = "" if fault.far_depth is None else f" to {1000 * fault.far_depth:.3g}"

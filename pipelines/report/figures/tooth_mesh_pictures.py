@@ -99,8 +99,12 @@ def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrame
     show(axes, picture, whole=True)
     corner_axes(axes, picture)
     most = np.nanmax(state.pressure[frame]) / 1e6 if np.isfinite(state.pressure[frame]).any() else 0.0
-    axes.set_title(f"{state.name}: Hertz pressure up to {most:.0f} MPa at this position\nface width "
-                   f"{1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1", fontsize=9, loc="left")  # fmt: skip
+    axes.set_title(
+        f"{state.name}: Hertz pressure up to {most:.0f} MPa at this position\n"
+        f"face width {1000 * view.gears.pair.face_width:.4g} mm along y; x, y, z 1:1",
+        fontsize=9,
+        loc="left",
+    )
     handles: list[Patch | Line2D] = [
         Patch(color=PINION, alpha=0.6, label="pinion"),
         Patch(color=WHEEL, alpha=0.6, label="wheel"),

@@ -149,10 +149,10 @@ def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
         handles.append(Patch(color=GONE, alpha=0.6, label=view.marked))
     axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, fontsize=8, frameon=False)
     note = (
-        f"face width {1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1, not deformed; lines, circle in front"
+        f"face width {1000 * view.gears.pair.face_width:.4g} mm along y; x, y, z 1:1, not deformed; lines, circle in "
+        f"front\nstress within {SMOOTHED:g} modules of a contact line is smoothed; mesh_<stage>.png gives the Hertz "
+        "pressure there"
     )
-    note += f"\nstress within {SMOOTHED:g} modules of a contact line is smoothed; mesh_<stage>.png gives the Hertz "
-    note += "pressure there"
     if view.note and number == len(view.states) - 1:
         note += f"\n{view.note}"
     axes.text(0.0, -0.01, note, fontsize=8, transform=axes.transAxes, va="top")
