@@ -8,9 +8,6 @@ from collections import defaultdict
 from pipelines.cli.command_line import Printed, argument
 from pipelines.io.argument_types import days
 
-HELP = """\
-Show the size of the cache, verify its checksums, or clear it. The cache stores the results of computed steps, which
-all scenes reuse. After clearing, runs compute these steps again. Takes seconds."""
 EXAMPLE = """\
 gearcase cache info
 ...
@@ -36,7 +33,9 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Printed:
-    """info: sizes by kind; verify: check every entry, 1 if one was damaged; clear: remove."""
+    """Show the size of the cache, verify its checksums, or clear it. The cache stores the results of computed steps,
+    which all scenes reuse. After clearing, runs compute these steps again. Takes seconds.
+    """
     from pipelines.engine.cache import Cache
     from pipelines.io.errors import InputError
 

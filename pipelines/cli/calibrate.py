@@ -10,11 +10,6 @@ from pathlib import Path
 from pipelines.cli.command_line import MACHINE, SCENE, argument, campaign_arguments, work_of
 from pipelines.io.argument_types import count, path
 
-HELP = """\
-Estimate free keys of a scene from recordings of one healthy machine, at the speed and load of the scene. Print mean,
-90 % interval and correlations of the posterior, the keys that cannot be identified, and how well simulated and
-recorded levels agree before and after calibration.
-Needs the extra gearcase[calibrate]. Takes minutes to hours: use --dry-run first."""
 EXAMPLE = """\
 gearcase calibrate minimal runs/minimal/2026-11-25_00-50-21 --free casing.mount_stiffness_N_per_um=100..400 --dry-run
 scenes      200
@@ -44,7 +39,11 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Simulate what is missing, sample the posterior, and write it with its figure."""
+    """Estimate free keys of a scene from recordings of one healthy machine, at the speed and load of the scene. Print
+    mean, 90 % interval and correlations of the posterior, the keys that cannot be identified, and how well simulated
+    and recorded levels agree before and after calibration. Needs the extra gearcase[calibrate]. Takes minutes to
+    hours: use --dry-run first.
+    """
     from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate
     from pipelines.io.errors import SceneWarning

@@ -7,9 +7,6 @@ import argparse
 from pipelines.cli.command_line import DRY_RUN, QUIET, SCENES_AT_ONCE, Printed, argument, work_of
 from pipelines.io.argument_types import path
 
-HELP = """\
-Simulate all scenes of a plan and write them as one labelled data set. Repeat the command to continue after an
-interruption. Takes minutes to hours: use --dry-run first."""
 EXAMPLE = """\
 gearcase campaign plan.toml --dry-run
 scenes      240
@@ -30,7 +27,9 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Printed:
-    """Simulate the scenes that are missing and print a summary; 1 if every scene failed."""
+    """Simulate all scenes of a plan and write them as one labelled data set. Repeat the command to continue after an
+    interruption. Takes minutes to hours: use --dry-run first.
+    """
     from pipelines.datasets.campaign import run_campaign
     from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate

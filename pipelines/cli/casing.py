@@ -21,10 +21,6 @@ if TYPE_CHECKING:
     from fem.casing.uncertainty.frequency_limits import FrequencyLimits
     from pipelines.runs.single_results import Casing
 
-HELP = """\
-Mesh the casing of a scene and reduce it to its bearing points and modes. Print these points, natural frequencies with
-uncertainty bands, and weight. --response writes frequency responses, --export the matrices or mode shapes. Takes
-seconds to minutes."""
 EXAMPLE = """\
 gearcase casing minimal
 casing rigid: 6 coordinates, 23 outputs
@@ -67,7 +63,10 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Build the casing; print check-up, modes with uncertainty bands and coordinates; write the requested files."""
+    """Mesh the casing of a scene and reduce it to its bearing points and modes. Print these points, natural frequencies
+    with uncertainty bands, and weight. --response writes frequency responses, --export the matrices or mode shapes.
+    Takes seconds to minutes.
+    """
     from pipelines.io.errors import InputError, SceneWarning
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import writable_file, writable_folder

@@ -12,13 +12,6 @@ if TYPE_CHECKING:
     from pipelines.runs.checked_scene import Checked
     from pipelines.scene.load_scene import LoadedScene
 
-HELP = """\
-Check a scene file. Print ratios, frequencies, tooth forces, bearing positions, the shortest usable time windows, and
-time, memory and disk space of a run. Nothing is simulated and no file is written. Takes seconds.
-
-Symbols: a centre distance; eps_alpha, eps_beta transverse contact ratio and overlap ratio; f_m mesh frequency; f_r1,
-f_r2 revolution frequencies of pinion and wheel; F_bt force on the transverse line of action; F_t/b tangential force per
-face width."""
 EXAMPLE = """\
 gearcase check rig-missing-tooth
 Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on rope
@@ -32,7 +25,13 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print ratios, frequencies, torques, cost and warnings; SceneError lists everything that does not fit."""
+    """Check a scene file. Print ratios, frequencies, tooth forces, bearing positions, the shortest usable time windows,
+    and time, memory and disk space of a run. Nothing is simulated and no file is written. Takes seconds.
+
+    Symbols: a centre distance; eps_alpha, eps_beta transverse contact ratio and overlap ratio; f_m mesh frequency;
+    f_r1, f_r2 revolution frequencies of pinion and wheel; F_bt force on the transverse line of action; F_t/b
+    tangential force per face width.
+    """
     from pipelines.io.json_text import json_text
     from pipelines.runs.checked_scene import check_scene
     from pipelines.scene.presets import load_requested

@@ -1,14 +1,16 @@
 """The command line of `gearcase`: the list of its commands, their parser, and the arguments that several have.
 
-A command is the module of its name: the sentences `HELP`, an `EXAMPLE` with the main lines of what it prints (others
-are shown as ``...``), a table `ARGUMENTS`, and `main`. A command such as `runs` also has a table `ACTIONS`. A module is
-imported for its command alone, and imports nothing heavy itself before it runs, so that help appears at once.
+A command is the module of its name: an `EXAMPLE` with the main lines of what it prints (others are shown as ``...``), a
+table `ARGUMENTS`, and `main`, whose docstring is the text of the help. A command such as `runs` also has a table
+`ACTIONS`. A module is imported for its command alone, and imports nothing heavy itself before it runs, so that help
+appears at once.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib
+import inspect
 import re
 import sys
 import textwrap
@@ -220,7 +222,7 @@ def parser(commands: Container[str] = tuple(COMMANDS)) -> Parser:
 
 def _complete(sub: argparse.ArgumentParser, module: ModuleType) -> None:
     """Give the parser of a command its arguments and actions, with their texts and examples."""
-    _describe(sub, module.ARGUMENTS, module.HELP, module.EXAMPLE)
+    _describe(sub, module.ARGUMENTS, inspect.getdoc(module.main) or "", module.EXAMPLE)
     for title, arguments in getattr(module, "GROUPS", {}).items():
         group = sub.add_argument_group(title)
         for names, how in arguments:

@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
 MOST_NAME = 60  # characters of the name of a recording in a table
 FOLDER = "comparison"
-HELP = """\
-Compare recordings, measured or simulated. Print a table of features and write it as CSV. Write figures of order
-spectra, envelope spectra and time-synchronous averages. The first recording is the reference. Takes seconds."""
 EXAMPLE = """\
 gearcase compare bench@0.5:0.9 bench@0.9:1.3
    recording               s  turns   rpm  f_m Hz  samples/s  speed from
@@ -56,11 +53,8 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the speeds and the table of features; write that as CSV, and the figures.
-
-    Raises
-    ------
-    InputError : a recording or its machine cannot be used, or they have nothing in common
+    """Compare recordings, measured or simulated. Print a table of features and write it as CSV. Write figures of order
+    spectra, envelope spectra and time-synchronous averages. The first recording is the reference. Takes seconds.
     """
     from pipelines.diagnosis.comparison.compared_features import features_of
     from pipelines.diagnosis.comparison.compared_recording import brought_together, chosen_channel

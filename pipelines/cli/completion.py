@@ -8,9 +8,6 @@ from collections.abc import Iterator
 from pipelines.cli.command_line import argument, parser
 
 SHELLS = ("bash", "zsh", "tcsh")  # that shtab supports
-HELP = """\
-Print the script by which a shell completes commands, options and file names. For bash, write it to
-~/.local/share/bash-completion/completions/gearcase; for zsh, to a file _gearcase in a folder of `fpath`."""
 EXAMPLE = """\
 gearcase completion bash
 ...
@@ -20,10 +17,8 @@ ARGUMENTS = (argument("shell", metavar="SHELL", choices=SHELLS, help=f"shell: {'
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the script for a shell.
-
-    In bash: ``gearcase completion bash > ~/.local/share/bash-completion/completions/gearcase``; in zsh: into a file
-    ``_gearcase`` of a folder of ``fpath``.
+    """Print the script by which a shell completes commands, options and file names. For bash, write it to
+    ~/.local/share/bash-completion/completions/gearcase; for zsh, to a file _gearcase in a folder of `fpath`.
     """
     import shtab
 

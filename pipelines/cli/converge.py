@@ -9,9 +9,6 @@ from pipelines.cli.command_line import WORK, argument, scene_and_work
 from pipelines.io.argument_types import count, picture, share
 from pipelines.studies.trade.refinement_axes import AXES
 
-HELP = """\
-Compute a scene with several values of one setting. Print the observed order of convergence, the
-extrapolated value and the uncertainty band of each result, and write a plot. Takes seconds to minutes per value."""
 EXAMPLE = """\
 gearcase converge minimal --over step
 ...
@@ -48,7 +45,9 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Refine along one axis; print order, limit, uncertainty band and a verdict; write the plot."""
+    """Compute a scene with several values of one setting. Print the observed order of convergence, the
+    extrapolated value and the uncertainty band of each result, and write a plot. Takes seconds to minutes per value.
+    """
     from pipelines.io.user_files import writable_file
     from pipelines.report.figures.frame_files import save_figure
     from pipelines.studies.trade.line_uncertainty import line_uncertainty

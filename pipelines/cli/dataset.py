@@ -9,7 +9,6 @@ from pathlib import Path
 from pipelines.cli.command_line import NOISE, QUIET, START, Printed, argument
 from pipelines.io.argument_types import part, path, positive, whole
 
-HELP = "Summarise, check or export a data set of `gearcase campaign`. Takes seconds to minutes."
 EXAMPLE = """\
 gearcase dataset info campaigns/plan
 ...
@@ -99,7 +98,7 @@ gearcase dataset export campaigns/plan --to npz --split train --seconds 0.25 --n
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Run the action on a data set; 1 if the check finds an error."""
+    """Summarise, check or export a data set of `gearcase campaign`. Takes seconds to minutes."""
     return {"info": _info, "check": _check, "export": _export}[options.action](options)
 
 

@@ -9,11 +9,6 @@ from typing import Any
 from pipelines.cli.command_line import WORK, argument, scene_and_work
 from pipelines.io.argument_types import count, from_zero, path, positive
 
-HELP = """\
-Search for the best flank modifications of a stage: tip reliefs of both gears, or what --vary gives, also the numbers of
-teeth and other values of the stage. Print the best candidates, with values rounded to the steps of --vary, and the
-settings of the best design for each objective. A repeated search continues where it ended. Takes seconds for nominal
-pairs, and minutes with --samples."""
 EXAMPLE = """\
 gearcase design bench --vary both.tip_relief.amount_um=0:30:2 --vary both.tip_relief.length_mm=0.5:4:0.5
 ...
@@ -87,7 +82,11 @@ ARGUMENTS = (  # defaults are those of `DesignOptions`
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Search; print the table and the settings of the best designs, write the page."""
+    """Search for the best flank modifications of a stage: tip reliefs of both gears, or what --vary gives, also the
+    numbers of teeth and other values of the stage. Print the best candidates, with values rounded to the steps of
+    --vary, and the settings of the best design for each objective. A repeated search continues where it ended. Takes
+    seconds for nominal pairs, and minutes with --samples.
+    """
     from dataclasses import fields
 
     from pipelines.io.user_files import writable_file

@@ -9,9 +9,6 @@ from pathlib import Path
 from pipelines.cli.command_line import SCENE, argument, campaign_arguments, work_of
 from pipelines.io.argument_types import count, from_zero
 
-HELP = """\
-Simulate healthy and damaged machines with different deviations. Print and write the probability of detection and
-the rate of false alarms over damage size, sensor noise and sensors. Takes minutes to hours: use --dry-run first."""
 EXAMPLE = """\
 gearcase detect bench --over faults.1.depth_mm=0.5:3:0.5 --dry-run
 scenes      88
@@ -51,7 +48,9 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Simulate what is missing; print the probabilities and write them with their figure."""
+    """Simulate healthy and damaged machines with different deviations. Print and write the probability of detection and
+    the rate of false alarms over damage size, sensor noise and sensors. Takes minutes to hours: use --dry-run first.
+    """
     from pipelines.datasets.campaign import run_campaign
     from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate

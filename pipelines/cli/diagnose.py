@@ -9,10 +9,6 @@ from pathlib import Path
 from pipelines.cli.command_line import JSON, MACHINE, RUN_HELP, argument
 from pipelines.io.argument_types import number, path
 
-HELP = """\
-Find the damaged component from vibration. A measured recording is compared with recordings of healthy machines
-(--baseline). A finished run is compared with its healthy control, and the spectral lines of both are listed.
-Several recordings give a table; those that cannot be used are refused in it. Nothing is simulated. Takes seconds."""
 EXAMPLE = """\
 gearcase diagnose bench
 Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque load, deviations of seed 1): ...
@@ -65,7 +61,10 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the verdict and the tables of recordings, or of a run compared with its control, without simulation."""
+    """Find the damaged component from vibration. A measured recording is compared with recordings of healthy machines
+    (--baseline). A finished run is compared with its healthy control, and the spectral lines of both are listed.
+    Several recordings give a table; those that cannot be used are refused in it. Nothing is simulated. Takes seconds.
+    """
     from pipelines.runs.judged_recording import recording_and_window
     from pipelines.runs.run_folder import RESPONSE
 

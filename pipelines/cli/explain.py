@@ -7,9 +7,6 @@ from collections.abc import Iterator
 
 from pipelines.cli.command_line import SCENE
 
-HELP = """\
-Print which steps of a run would be reused from the cache, which would be computed, and which changed setting is the
-reason. Nothing is computed and no file is written. Takes seconds."""
 EXAMPLE = """\
 gearcase explain bench
 First run: the cache holds no results of a similar scene to compare with.
@@ -23,7 +20,9 @@ _WORDS = {"reuse": "reuse", "build": "compute", "follow": "perhaps"}
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print one line per step, with what changed since a scene like this one was run; nothing is built."""
+    """Print which steps of a run would be reused from the cache, which would be computed, and which changed setting is
+    the reason. Nothing is computed and no file is written. Takes seconds.
+    """
     from pipelines.engine.cache import Cache
     from pipelines.engine.step import explain
     from pipelines.scene.presets import load_requested

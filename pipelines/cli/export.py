@@ -8,9 +8,6 @@ from collections.abc import Iterator
 from pipelines.cli.command_line import RUN, argument
 from pipelines.io.argument_types import path
 
-HELP = (
-    "Write the signals of a finished run as a CSV, MATLAB or universal file (UFF 58) for other programs. Takes seconds."
-)
 EXAMPLE = """\
 gearcase export minimal --to mat
 runs/minimal/2026-11-25_00-50-21/response.mat"""
@@ -27,7 +24,9 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write response.csv, response.mat or response.uff."""
+    """Write the signals of a finished run as a CSV, MATLAB or universal file (UFF 58) for other programs. Takes
+    seconds.
+    """
     from pipelines.diagnosis.result_export import export
     from pipelines.io.errors import InputError
     from pipelines.io.shown_text import shown

@@ -10,10 +10,6 @@ from pathlib import Path
 from pipelines.cli.command_line import MACHINE, NOISE, QUIET, START, argument
 from pipelines.io.argument_types import count, from_zero, path
 
-HELP = """\
-Compute the features of recordings, finished runs or a data set: a row for each channel, component and feature, with
-value, unit and level. Names and definitions are the same for all. Without --out the table is printed as CSV; that of a
-data set is written to features.parquet in its folder. Takes seconds, for a data set minutes."""
 EXAMPLE = """\
 gearcase features bench
 recording,sensor,axis,component,feature,unit,value,level_dB
@@ -47,7 +43,10 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write or print the table."""
+    """Compute the features of recordings, finished runs or a data set: a row for each channel, component and feature,
+    with value, unit and level. Names and definitions are the same for all. Without --out the table is printed as CSV;
+    that of a data set is written to features.parquet in its folder. Takes seconds, for a data set minutes.
+    """
     from pipelines.datasets.feature_source import ENDINGS, FEATURES, FeatureSource, write_features
     from pipelines.datasets.workers import local_workers
     from pipelines.engine.progress import reported_count

@@ -17,10 +17,6 @@ if TYPE_CHECKING:
     from pipelines.scene.load_scene import LoadedScene
     from pipelines.steps.pair_curves import PairLaws
 
-HELP = """\
-Compute the mesh stiffness, transmission error and load sharing of every gear pair, healthy and faulty, from the
-first to the last contact of one tooth. --plot plots the transmission error, --out writes the curves; `gearcase design`
-searches for reliefs and crownings. Takes seconds, and up to a minute for each pair with the mesh model `solid`."""
 EXAMPLE = """\
 gearcase gears pair --torque 50 100 --plot te.png
 ...
@@ -79,7 +75,11 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Build the laws; print stiffness, transmission error, share and pressure of each pair, healthy and faulty."""
+    """Compute the mesh stiffness, transmission error and load sharing of every gear pair, healthy and faulty, from the
+    first to the last contact of one tooth. --plot plots the transmission error, --out writes the curves; `gearcase
+    design` searches for reliefs and crownings. Takes seconds, and up to a minute for each pair with the mesh model
+    `solid`.
+    """
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
     from pipelines.io.text_table import grid

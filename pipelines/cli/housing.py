@@ -16,10 +16,6 @@ if TYPE_CHECKING:
     from fem.casing.recognition.housing_contents import GeometryContents
     from fem.casing.recognition.shaft_fit import ShaftFit
 
-HELP = """\
-Read a housing from a CAD file, a mesh, or stiffness and mass matrices. Print its solids and bores, or a check of the
-matrices. Write a picture and an HTML page of the solids and bores. With --scene, choose the bores that hold the
-bearings (bearing seats), and write them to housing.toml. Takes seconds."""
 EXAMPLE = """\
 gearcase housing rig-housing.step --scene rig-healthy
 ...
@@ -99,7 +95,10 @@ GROUPS = {"matrices of another program": _MATRICES}
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the solids, the seats and the block, and write the picture, the page and the block."""
+    """Read a housing from a CAD file, a mesh, or stiffness and mass matrices. Print its solids and bores, or a check of
+    the matrices. Write a picture and an HTML page of the solids and bores. With --scene, choose the bores that hold
+    the bearings (bearing seats), and write them to housing.toml. Takes seconds.
+    """
     from fem.casing.imported.matrix_files import SUFFIXES
     from pipelines.io.errors import InputError
     from pipelines.scene.shipped_files import find_file

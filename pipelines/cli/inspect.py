@@ -19,10 +19,6 @@ if TYPE_CHECKING:
     from pipelines.machine.machine_model import MachineModel
     from pipelines.runs.inspect_gears import InspectedStage
 
-HELP = """\
-Write pictures of a gear pair in mesh with its stiffness curve and contact pattern, and of the casing mesh.
---stress, --mesh and --casing-mode write other pictures or files instead. Takes seconds, and up to minutes with the
-mesh model `solid`."""
 EXAMPLE = """\
 gearcase inspect minimal --position 0
 gears_1.png
@@ -74,7 +70,10 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write the pictures of a stage and, of a meshed casing, casing.png; print why a picture is not rendered."""
+    """Write pictures of a gear pair in mesh with its stiffness curve and contact pattern, and of the casing mesh.
+    --stress, --mesh and --casing-mode write other pictures or files instead. Takes seconds, and up to minutes with
+    the mesh model `solid`.
+    """
     from pipelines.io.errors import InputError
     from pipelines.io.user_files import writable_folder
     from pipelines.machine.checks.strength import refuse_overload

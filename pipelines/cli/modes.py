@@ -15,11 +15,6 @@ if TYPE_CHECKING:
     from pipelines.io.text_table import Grid
     from pipelines.machine.machine_model import MachineModel
 
-HELP = """\
-Linearise the loaded machine about its static equilibrium. Print natural frequencies, damping and the share of each
-part in the total energy of each mode. The column `dominant` names the part with the largest share of the strain energy;
-for casing and rope the mean of strain and kinetic share is used instead. Takes seconds if the cache
-holds mesh stiffness and casing."""
 EXAMPLE = """\
 gearcase modes minimal
 minimal: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle 0
@@ -54,7 +49,11 @@ KINDS = {"shaft": "shafts", "bearing": "bearings", "casing": "casing", "rope": "
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Build laws and casing, linearise the machine at rest under its load, print its modes."""
+    """Linearise the loaded machine about its static equilibrium. Print natural frequencies, damping and the share of
+    each part in the total energy of each mode. The column `dominant` names the part with the largest share of the
+    strain energy; for casing and rope the mean of strain and kinetic share is used instead. Takes seconds if the
+    cache holds mesh stiffness and casing.
+    """
     from pipelines.io.json_text import json_text
     from pipelines.runs.single_results import build_machine_modes, scene_graph
 

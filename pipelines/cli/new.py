@@ -8,9 +8,6 @@ from collections.abc import Iterator
 from pipelines.cli.command_line import argument
 from pipelines.io.argument_types import path
 
-HELP = """\
-Write a commented scene file as a start for your own. The source is a shipped scene, your own scene, or a gear unit
-in REXS. An existing file is never overwritten. Takes seconds."""
 EXAMPLE = """\
 gearcase new my.toml --from bench
 my.toml written from bench. Change it, then: gearcase check my.toml"""
@@ -28,7 +25,9 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write the file and print the next step; for a gear unit in REXS also what is missing or was assumed."""
+    """Write a commented scene file as a start for your own. The source is a shipped scene, your own scene, or a gear
+    unit in REXS. An existing file is never overwritten. Takes seconds.
+    """
     from pipelines.rexs.files import is_rexs
 
     step = "Change it"

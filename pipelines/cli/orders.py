@@ -25,10 +25,6 @@ if TYPE_CHECKING:
 STEADY = 0.01  # relative range of the speeds up to which amplitudes over speed have no meaning
 SPEEDS = 9  # at which a Campbell diagram has natural frequencies
 AXES = ("x", "y", "z")
-HELP = """\
-Analyse the run-up or coast-down of a finished run or a recording by orders of a shaft. Print the highest amplitude of
-each order. Write pictures of the order spectra over speed, and of the amplitude of each order over speed. Takes
-seconds."""
 EXAMPLE = """\
 gearcase orders reducer
 input-bearing z over the orders of shaft 1, 11 windows
@@ -74,11 +70,9 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write the pictures of a run-up to the folder of its signals, and print the highest amplitude of each order.
-
-    Raises
-    ------
-    InputError : the run has no run-up to show, or the folder cannot be written
+    """Analyse the run-up or coast-down of a finished run or a recording by orders of a shaft. Print the highest
+    amplitude of each order. Write pictures of the order spectra over speed, and of the amplitude of each order over
+    speed. Takes seconds.
     """
     import numpy as np
 

@@ -10,11 +10,6 @@ from pathlib import Path
 from pipelines.cli.command_line import RUN_FOLDER, WORK, announce, argument, scene_and_work
 from pipelines.io.argument_types import count
 
-HELP = """\
-Simulate the machine and its healthy control, diagnose the fault from the signals and write a report.
-The result folder holds report.html, response.nc (the signals), the diagnosis and the settings.
-Takes seconds for the scenes `minimal` and `bench`, and less than a minute for `rig-missing-tooth`. The first run after
-installation also compiles code, which takes 20 seconds more. Results of earlier runs are reused from the cache."""
 EXAMPLE = """\
 gearcase run bench
 Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque load, deviations of seed 1): ...
@@ -53,7 +48,11 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Run the scene; print the verdict and where the report is."""
+    """Simulate the machine and its healthy control, diagnose the fault from the signals and write a report. The result
+    folder holds report.html, response.nc (the signals), the diagnosis and the settings. Takes seconds for the scenes
+    `minimal` and `bench`, and less than a minute for `rig-missing-tooth`. The first run after installation also
+    compiles code, which takes 20 seconds more. Results of earlier runs are reused from the cache.
+    """
     announce(options)
     from pipelines.runs.run import run_scene
     from pipelines.runs.run_folder import REPORT

@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     import numpy as np
 
 
-HELP = (
-    "List the finished runs under ./runs, open the report of one, compare several, or remove old ones. Takes seconds."
-)
 EXAMPLE = """\
 gearcase runs clean --keep 1
 Runs, newest first
@@ -94,7 +91,9 @@ LONGEST = 60  # characters of a value in the table of compared runs
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Run the action on the runs in ./runs."""
+    """List the finished runs under ./runs, open the report of one, compare several, or remove old ones. Takes
+    seconds.
+    """
     return {"list": _list, "open": _open, "compare": _compare, "clean": _clean}[options.action or DEFAULT_ACTION](
         options
     )

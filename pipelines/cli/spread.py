@@ -10,10 +10,6 @@ from pipelines.cli.command_line import SCENE, argument, campaign_arguments, work
 from pipelines.io.argument_types import count, path
 from pipelines.signals.features.definitions import BY_NAME
 
-HELP = """\
-Simulate machines of a population that differ from the scene. Print and write the median and the 90 % interval of every
-feature, and first-order Sobol indices: which property of the machines makes the variance. Repeat the command to
-continue after an interruption. Takes minutes to hours: use --dry-run first."""
 EXAMPLE = """\
 gearcase spread minimal --dry-run
 scenes      100
@@ -42,7 +38,10 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Simulate what is missing; print the summary and write table and figure."""
+    """Simulate machines of a population that differ from the scene. Print and write the median and the 90 % interval of
+    every feature, and first-order Sobol indices: which property of the machines makes the variance. Repeat the
+    command to continue after an interruption. Takes minutes to hours: use --dry-run first.
+    """
     from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate
     from pipelines.io.user_files import whole_file

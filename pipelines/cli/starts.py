@@ -8,9 +8,6 @@ from collections.abc import Iterator
 from pipelines.cli.command_line import WORK, argument, scene_and_work
 from pipelines.io.argument_types import several
 
-HELP = """\
-Simulate a scene from several slightly different initial states. Print mean and spread of the level of each sensor.
-Use it where teeth lose contact, so that levels depend on the initial state. Takes one simulation for each start."""
 EXAMPLE = """\
 gearcase starts minimal --set load.container_kg=2
 8 initial states
@@ -24,7 +21,10 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Run the machine from slightly different states of rest; print what a level is worth."""
+    """Simulate a scene from several slightly different initial states. Print mean and spread of the level of each
+    sensor. Use it where teeth lose contact, so that levels depend on the initial state. Takes one simulation for each
+    start.
+    """
     from pipelines.scene.load_scene import changed
     from pipelines.studies.trade.measured_variants import measure
     from pipelines.studies.trade.starts_table import spread_table

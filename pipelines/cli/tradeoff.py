@@ -8,11 +8,6 @@ from collections.abc import Iterator
 from pipelines.cli.command_line import WORK, argument, scene_and_work
 from pipelines.io.argument_types import picture, seconds, share
 
-HELP = """\
-Measure time, memory and error of the presets, of every model and main setting, and of combinations that take mesh
-laws, casing and time step from different presets. The error is the deviation from the preset `reference`. Print a
-table, the least expensive choice within --error and the most accurate within --time; write a plot. Takes about a minute
-for the scene `minimal`, and about 5 minutes for the scenes `rig-...`."""
 EXAMPLE = """\
 gearcase tradeoff minimal --error 2%
 ...
@@ -40,7 +35,11 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Measure every choice against the reference; print the table and the answers, write the plot."""
+    """Measure time, memory and error of the presets, of every model and main setting, and of combinations that take
+    mesh laws, casing and time step from different presets. The error is the deviation from the preset
+    `reference`. Print a table, the least expensive choice within --error and the most accurate within --time;
+    write a plot. Takes about a minute for the scene `minimal`, and about 5 minutes for the scenes `rig-...`.
+    """
     from pipelines.io.user_files import writable_file
     from pipelines.report.figures.frame_files import save_figure
     from pipelines.studies.trade.tradeoff import trade

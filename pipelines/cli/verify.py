@@ -9,10 +9,6 @@ from pipelines.cli.command_line import QUIET, STEPS_AT_ONCE, argument, work_of
 from pipelines.io.argument_types import path, several
 from pipelines.scene.presets import PRESETS
 
-HELP = """\
-Check the claims of a published study of a quay-crane hoist with a missing tooth. Print each claim with its limit,
-simulate the 8 scenes of the study with each seed, and print whether each claim holds.
-With --out, write claims.md and claims.json. Takes about 2 minutes on two cores, and longer with an empty cache."""
 EXAMPLE = """\
 gearcase verify rig --out claims
 ...
@@ -34,7 +30,10 @@ ARGUMENTS = (
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the claims and their limits, simulate the cases, and print the verdicts, or write them to a folder."""
+    """Check the claims of a published study of a quay-crane hoist with a missing tooth. Print each claim with its
+    limit, simulate the 8 scenes of the study with each seed, and print whether each claim holds. With --out,
+    write claims.md and claims.json. Takes about 2 minutes on two cores, and longer with an empty cache.
+    """
     from pipelines.engine.code_version import library_versions
     from pipelines.io.user_files import writable_folder
     from pipelines.studies.verification import claims_output
