@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray
 
 from pipelines.diagnosis import verdict_words
 from pipelines.diagnosis.control_diagnosis import Diagnosis
@@ -24,9 +24,6 @@ from pipelines.signals.features.shaft_turns import cut_turns
 from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, average
 from pipelines.signals.orders.kinematics import Gear, Kinematics
 from pipelines.signals.orders.rotation import Rotation
-
-if TYPE_CHECKING:
-    import xarray
 
 RANKED_AT_ONCE = 5  # components on the first screen; the others open on a click
 IN_MESH = 1.0  # pitches on either side of the pitch point, approximate range in which a tooth is in mesh

@@ -6,23 +6,21 @@ import html
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import xarray
+
+from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.known_damage import Case, Damage, cases_grid
 from pipelines.diagnosis.line_words import criterion, directions
+from pipelines.diagnosis.uncertainty.bar_records import LineBars
 from pipelines.diagnosis.verdict_words import note
 from pipelines.engine.progress import step_words
 from pipelines.io.text_table import Grid, cell, grid, turned
 from pipelines.report import page, signal_sections
 from pipelines.report.figures.plots import drive_figure
 from pipelines.report.figures.views import LeftOut
-
-if TYPE_CHECKING:
-    import xarray
-
-    from pipelines.diagnosis.control_diagnosis import Diagnosis
-    from pipelines.diagnosis.uncertainty.bar_records import LineBars
-    from pipelines.signals.analysis import DiagnosisSettings
+from pipelines.signals.analysis import DiagnosisSettings
 
 Rows = Sequence[Mapping[str, Any]]
 ROLLING = (

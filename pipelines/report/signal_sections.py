@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+
+import xarray
 
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.line_words import case_name, directions, lines_grid, seeds_grid
 from pipelines.diagnosis.uncertainty.bar_records import LineBars
 from pipelines.diagnosis.uncertainty.bar_words import bars_grid
 from pipelines.report import page
-from pipelines.report.chart_data import channels, views
+from pipelines.report.chart_data import charts
 from pipelines.report.figures.plots import waveform_figure
 from pipelines.report.figures.spectrum_plots import (
     comparison_figure,
@@ -20,19 +21,14 @@ from pipelines.report.figures.spectrum_plots import (
     single_spectrum_figure,
     spectrum_figure,
 )
-from pipelines.report.interactive_charts import charts
 from pipelines.signals.analysis import Analysis, DiagnosisSettings, analyse, channel_names
 from pipelines.signals.levels import contact_sentence, level_grid
 from pipelines.signals.levels import levels as measured_levels
 from pipelines.signals.line_table import LOADS
+from pipelines.signals.spectrum import Segment, Spectrum
 
-if TYPE_CHECKING:
-    import xarray
-
-    from pipelines.signals.spectrum import Segment, Spectrum
-
-    Runs = Mapping[str, xarray.Dataset]
-    Windows = Mapping[str, tuple[float, float]]
+Runs = Mapping[str, xarray.Dataset]
+Windows = Mapping[str, tuple[float, float]]
 
 
 def signals(
@@ -58,10 +54,9 @@ def signals(
     if settings is not None and not diagnoses:
         own = analyse(next(iter(runs.values())), settings)
     band = diagnoses[0].band if diagnoses else None if own is None else own.band
-    found = channels(runs, channel, settings, band)
     caption = "Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right)."
     waveforms = page.picture(waveform_figure(runs, *channel, windows), caption, "static")
-    parts = [charts(list(runs), views(settings, band), found, windows), waveforms]
+    parts = [charts(runs, channel, settings, band, windows), waveforms]
     return parts + (_compared_spectra(diagnoses) if own is None or settings is None else _own_spectra(own, settings))
 
 

@@ -10,24 +10,21 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
 
 from fem.contact.contact_pressure import flank_pressure
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.stiffness_curve import StiffnessCurve, loaded_approach
+from fem.gears.geometry import GearPair
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import whole_file
 from pipelines.report.figures.plots import TransmissionErrors
+from pipelines.scene.load_scene import LoadedScene
 from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, Passage, engagement, quantity
-
-if TYPE_CHECKING:
-    import xarray
-
-    from fem.gears.geometry import GearPair
-    from pipelines.engine.run_graph import Work
-    from pipelines.scene.load_scene import LoadedScene
 
 PER_CYCLE = 40  # positions per mesh cycle
 ERROR_POSITIONS = 256  # in the mesh cycle whose mesh orders are computed
@@ -108,7 +105,6 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
     ------
     LawError : a force cannot be reached
     """
-    import xarray
 
     reach = round(max(PITCHES_SHOWN, *(np.ceil(max(np.abs(engagement(p.pair)))) + 1 for p in pairs)) * PER_CYCLE)
     position = np.arange(-reach, reach + 1) / PER_CYCLE

@@ -7,23 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray
 
 from fem.contact.evaluation.contact_pattern import contact_pattern
 from fem.contact.evaluation.evaluator import LawEvaluator
-from fem.contact.evaluation.mesh_cycle import ORDERS, mesh_cycle, order_amplitudes
+from fem.contact.evaluation.mesh_cycle import ORDERS, MeshCycle, mesh_cycle, order_amplitudes
+from fem.contact.law import MeshLaw
+from fem.contact.models.solid_stress import RootStress
+from fem.gears.geometry import GearPair
 from pipelines.io.user_files import whole_file
 from pipelines.steps.pair_curves import quantity
-
-if TYPE_CHECKING:
-    import xarray
-
-    from fem.contact.evaluation.mesh_cycle import MeshCycle
-    from fem.contact.law import MeshLaw
-    from fem.contact.models.solid_stress import RootStress
-    from fem.gears.geometry import GearPair
 
 TORQUE_SHARES = (0.25, 0.5, 0.75, 1.0)  # of the torque of the scene
 TORQUES = 12  # in equal steps up to the largest one
@@ -72,7 +67,6 @@ def load_map(
     ------
     LawError : a force is not reached
     """
-    import xarray
 
     given = sorted(set(torques))
     torque = np.unique([float(f"{one:.9g}") for one in [*given, *np.arange(1, TORQUES + 1) * given[-1] / TORQUES]])

@@ -6,20 +6,18 @@ import argparse
 import math
 import warnings
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from fem.contact.models.mesh_model import LawSpec
+from fem.contact.models.solid import Solid
+from fem.gears.geometry import GearPair
+from pipelines.engine.run_graph import Work
+from pipelines.engine.step import Graph, Step
 from pipelines.io.errors import SceneWarning
 from pipelines.io.user_files import writable_file
-
-if TYPE_CHECKING:
-    from fem.contact.models.mesh_model import LawSpec
-    from fem.contact.models.solid import Solid
-    from fem.gears.geometry import GearPair
-    from pipelines.engine.run_graph import Work
-    from pipelines.engine.step import Graph, Step
-    from pipelines.machine.machine_model import MachineModel
-    from pipelines.report.figures.tooth_stress_pictures import StressView
-    from pipelines.report.figures.views import Teeth
+from pipelines.machine.machine_model import MachineModel
+from pipelines.report.figures.tooth_stress_pictures import StressView
+from pipelines.report.figures.views import Teeth
 
 CRACK = "cracked-tooth"
 _NOTE = "the crack is not in the finite elements: the stress is that of an uncracked tooth"
@@ -138,7 +136,6 @@ def root_stresses(pair: GearPair, teeth: Teeth) -> list[dict[str, Any]]:
 
 def stress_model(law: LawSpec) -> Solid:
     """The model `solid` with the options of a law, or with its defaults if the law has another model."""
-    from fem.contact.models.solid import Solid
 
     mesh = law.mesh
     return Solid(slices=mesh.slices, refinement=mesh.refinement) if isinstance(mesh, Solid) else Solid()
@@ -146,7 +143,6 @@ def stress_model(law: LawSpec) -> Solid:
 
 def root_step(machine: MachineModel, stage: int) -> Step:
     """The step of the root stresses of a stage (from 1) by unit forces on the flanks."""
-    from fem.contact.models.mesh_model import LawSpec
     from pipelines.engine.step import Step
     from pipelines.steps import stress
 
@@ -164,7 +160,6 @@ def _stress_steps(machine: MachineModel, stage: int, index: int, force: float) -
     """Steps of the compliance of a stage and of the stress of its teeth, healthy and, with faults, faulty."""
     import numpy as np
 
-    from fem.contact.models.mesh_model import LawSpec
     from pipelines.engine.step import Step
     from pipelines.machine.tooth_terms import mesh_faults
     from pipelines.steps import stress

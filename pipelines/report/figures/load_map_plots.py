@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+import xarray
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
 from pipelines.report.figures.colours import PAIR_COLOURS
 from pipelines.report.figures.pattern_pictures import draw_pattern
 from pipelines.report.figures.plots import dress, new_figure, plain
-
-if TYPE_CHECKING:
-    import xarray
 
 _ORDERS = 5  # that are drawn
 

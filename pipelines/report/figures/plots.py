@@ -8,19 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
 from fem.contact.evaluation.mesh_cycle import ORDERS, order_amplitudes
 from pipelines.report.figures.colours import FAULTY, HEALTHY
 from pipelines.signals.analysis import channel
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.axes import Axes
 
 FIRST, SECOND = "#2a6f97", "#e08e0b"
 MARK, GRID = "#6b6b6b", "#dddddd"
