@@ -1,4 +1,4 @@
-"""Interactive charts within the page, without external files: signals and spectra in compact form, drawn by uPlot.
+"""Interactive charts within the page, without external files: signals and spectra in compact form, shown by uPlot.
 
 The channel of the verdict keeps every sample. The others keep the smallest and largest value of every interval of a
 signal, and the largest line of every interval of a spectrum. Signals are 16-bit numbers with a scale (every sample of
