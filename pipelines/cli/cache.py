@@ -8,12 +8,6 @@ from collections import defaultdict
 from pipelines.cli.command_line import Printed, argument
 from pipelines.io.argument_types import days
 
-EXAMPLE = """\
-gearcase cache info
-...
-  casing               1 entry          0.0 MB
-...
-  all                  6 stored         6.2 MB"""
 ARGUMENTS = (
     argument(
         "action",
@@ -35,6 +29,14 @@ ARGUMENTS = (
 def main(options: argparse.Namespace) -> Printed:
     """Show the size of the cache, verify its checksums, or clear it. The cache stores the results of computed steps,
     which all scenes reuse. After clearing, runs compute these steps again. Takes seconds.
+
+    Example
+    -------
+    gearcase cache info
+    ...
+      casing               1 entry          0.0 MB
+    ...
+      all                  6 stored         6.2 MB
     """
     from pipelines.engine.cache import Cache
     from pipelines.io.errors import InputError

@@ -10,12 +10,6 @@ from pathlib import Path
 from pipelines.cli.command_line import MACHINE, SCENE, argument, campaign_arguments, work_of
 from pipelines.io.argument_types import count, path
 
-EXAMPLE = """\
-gearcase calibrate minimal runs/minimal/2026-11-25_00-50-21 --free casing.mount_stiffness_N_per_um=100..400 --dry-run
-scenes      200
-...
-time        about 2 minutes on 2 cores: ...
-disk        about 208 MB in 600 files, 3 for each simulation"""
 ARGUMENTS = (
     *SCENE,
     argument(
@@ -43,6 +37,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     mean, 90 % interval and correlations of the posterior, the keys that cannot be identified, and how well simulated
     and recorded levels agree before and after calibration. Needs the extra gearcase[calibrate]. Takes minutes to
     hours: use --dry-run first.
+
+    Example
+    -------
+    gearcase calibrate minimal minimal --free casing.mount_stiffness_N_per_um=100..400 --dry-run
+    scenes      200
+    ...
+    time        about 2 minutes on 2 cores: ...
+    disk        about 208 MB in 600 files, 3 for each simulation
     """
     from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate

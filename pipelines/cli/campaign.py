@@ -7,13 +7,6 @@ import argparse
 from pipelines.cli.command_line import DRY_RUN, QUIET, SCENES_AT_ONCE, Printed, argument, work_of
 from pipelines.io.argument_types import path
 
-EXAMPLE = """\
-gearcase campaign plan.toml --dry-run
-scenes      240
-labels      80 chipped-tooth, 80 cracked-tooth, 80 healthy
-...
-time        about 4 minutes on 2 cores: ...
-disk        about 144 MB in 1200 files, 5 for each simulation"""
 ARGUMENTS = (
     argument("plan", metavar="PLAN", type=path, help="plan of the campaign, a file that ends in .toml"),
     argument("--out", metavar="FOLDER", type=path, help="folder of the data set (default: ./campaigns/<plan>)"),
@@ -29,6 +22,15 @@ ARGUMENTS = (
 def main(options: argparse.Namespace) -> Printed:
     """Simulate all scenes of a plan and write them as one labelled data set. Repeat the command to continue after an
     interruption. Takes minutes to hours: use --dry-run first.
+
+    Example
+    -------
+    gearcase campaign plan.toml --dry-run
+    scenes      240
+    labels      80 chipped-tooth, 80 cracked-tooth, 80 healthy
+    ...
+    time        about 4 minutes on 2 cores: ...
+    disk        about 144 MB in 1200 files, 5 for each simulation
     """
     from pipelines.datasets.campaign import run_campaign
     from pipelines.datasets.campaign_scenes import sampled_scenes

@@ -21,12 +21,6 @@ if TYPE_CHECKING:
     from fem.casing.uncertainty.frequency_limits import FrequencyLimits
     from pipelines.runs.single_results import Casing
 
-EXAMPLE = """\
-gearcase casing minimal
-casing rigid: 6 coordinates, 23 outputs
-...
-  bearing_1  x     0.00  y   -65.00  z     0.00 mm
-..."""
 ARGUMENTS = (
     *WORK,
     argument(
@@ -66,6 +60,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Mesh the casing of a scene and reduce it to its bearing points and modes. Print these points, natural frequencies
     with uncertainty bands, and weight. --response writes frequency responses, --export the matrices or mode shapes.
     Takes seconds to minutes.
+
+    Example
+    -------
+    gearcase casing minimal
+    casing rigid: 6 coordinates, 23 outputs
+    ...
+      bearing_1  x     0.00  y   -65.00  z     0.00 mm
+    ...
     """
     from pipelines.io.errors import InputError, SceneWarning
     from pipelines.io.json_text import json_text

@@ -12,12 +12,6 @@ if TYPE_CHECKING:
     from pipelines.runs.checked_scene import Checked
     from pipelines.scene.load_scene import LoadedScene
 
-EXAMPLE = """\
-gearcase check rig-missing-tooth
-Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on rope
-...
-  control: rig-healthy
-..."""
 ARGUMENTS = (
     *SCENE,
     JSON,
@@ -31,6 +25,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     Symbols: a centre distance; eps_alpha, eps_beta transverse contact ratio and overlap ratio; f_m mesh frequency;
     f_r1, f_r2 revolution frequencies of pinion and wheel; F_bt force on the transverse line of action; F_t/b
     tangential force per face width.
+
+    Example
+    -------
+    gearcase check rig-missing-tooth
+    Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on rope
+    ...
+      control: rig-healthy
+    ...
     """
     from pipelines.io.json_text import json_text
     from pipelines.runs.checked_scene import check_scene

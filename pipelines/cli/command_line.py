@@ -1,9 +1,9 @@
 """The command line of `gearcase`: the list of its commands, their parser, and the arguments that several have.
 
-A command is the module of its name: an `EXAMPLE` with the main lines of what it prints (others are shown as ``...``), a
-table `ARGUMENTS`, and `main`, whose docstring is the text of the help. A command such as `runs` also has a table
-`ACTIONS`. A module is imported for its command alone, and imports nothing heavy itself before it runs, so that help
-appears at once.
+A command is the module of its name with a table `ARGUMENTS` and a function `main`. The docstring of `main` is the text
+of the help, and its section "Example" shows a command line with the main lines of what it prints (others as ``...``).
+A command such as `runs` also has a table `ACTIONS`. A module is imported for its command alone, and imports nothing
+heavy itself before it runs, so that help appears at once.
 """
 
 from __future__ import annotations
@@ -222,7 +222,7 @@ def parser(commands: Container[str] = tuple(COMMANDS)) -> Parser:
 
 def _complete(sub: argparse.ArgumentParser, module: ModuleType) -> None:
     """Give the parser of a command its arguments and actions, with their texts and examples."""
-    _describe(sub, module.ARGUMENTS, inspect.getdoc(module.main) or "", module.EXAMPLE)
+    _describe(sub, module.ARGUMENTS, *help_and_example(module))
     for title, arguments in getattr(module, "GROUPS", {}).items():
         group = sub.add_argument_group(title)
         for names, how in arguments:
@@ -233,6 +233,12 @@ def _complete(sub: argparse.ArgumentParser, module: ModuleType) -> None:
         below = sub.add_subparsers(dest="action", metavar="ACTION", title=title, required=not default)
         for name, (words, *rest) in actions.items():
             _describe(below.add_parser(name, help=words), *rest)
+
+
+def help_and_example(module: ModuleType) -> tuple[str, str]:
+    """The text of the help of a command, and its example."""
+    text, _, example = (inspect.getdoc(module.main) or "").partition("\n\nExample\n-------\n")
+    return text, example
 
 
 def _describe(sub: argparse.ArgumentParser, arguments: Iterable[Argument], text: str, example: str) -> None:

@@ -22,14 +22,6 @@ if TYPE_CHECKING:
 
 MOST_NAME = 60  # characters of the name of a recording in a table
 FOLDER = "comparison"
-EXAMPLE = """\
-gearcase compare bench@0.5:0.9 bench@0.9:1.3
-   recording               s  turns   rpm  f_m Hz  samples/s  speed from
--  -------------  ----------  -----  ----  ------  ---------  -------------------------
-A  bench@0.5:0.9  0.5 to 0.9   10.0  1500     625      12800  recorded angle of shaft_1
-B  bench@0.9:1.3  0.9 to 1.3   10.0  1500     625      12800  recorded angle of shaft_1
-...
-comparison/features.csv"""
 ARGUMENTS = (
     argument(
         "recordings",
@@ -55,6 +47,16 @@ ARGUMENTS = (
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Compare recordings, measured or simulated. Print a table of features and write it as CSV. Write figures of order
     spectra, envelope spectra and time-synchronous averages. The first recording is the reference. Takes seconds.
+
+    Example
+    -------
+    gearcase compare bench@0.5:0.9 bench@0.9:1.3
+       recording               s  turns   rpm  f_m Hz  samples/s  speed from
+    -  -------------  ----------  -----  ----  ------  ---------  -------------------------
+    A  bench@0.5:0.9  0.5 to 0.9   10.0  1500     625      12800  recorded angle of shaft_1
+    B  bench@0.9:1.3  0.9 to 1.3   10.0  1500     625      12800  recorded angle of shaft_1
+    ...
+    comparison/features.csv
     """
     from pipelines.diagnosis.comparison.compared_features import features_of
     from pipelines.diagnosis.comparison.compared_recording import brought_together, chosen_channel

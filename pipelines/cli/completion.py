@@ -8,17 +8,19 @@ from collections.abc import Iterator
 from pipelines.cli.command_line import argument, parser
 
 SHELLS = ("bash", "zsh", "tcsh")  # that shtab supports
-EXAMPLE = """\
-gearcase completion bash
-...
-_shtab_gearcase_runs_subparsers=(list open compare clean)
-..."""
 ARGUMENTS = (argument("shell", metavar="SHELL", choices=SHELLS, help=f"shell: {', '.join(SHELLS)}"),)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the script by which a shell completes commands, options and file names. For bash, write it to
     ~/.local/share/bash-completion/completions/gearcase; for zsh, to a file _gearcase in a folder of `fpath`.
+
+    Example
+    -------
+    gearcase completion bash
+    ...
+    _shtab_gearcase_runs_subparsers=(list open compare clean)
+    ...
     """
     import shtab
 

@@ -9,12 +9,6 @@ from pipelines.cli.command_line import WORK, argument, scene_and_work
 from pipelines.io.argument_types import count, picture, share
 from pipelines.studies.trade.refinement_axes import AXES
 
-EXAMPLE = """\
-gearcase converge minimal --over step
-...
-The setting in use is fine enough for 1 %: the widest uncertainty band is 0.1 % (sensor_3 rms, lifting).
-...
-plot: convergence-minimal-step.png"""
 ARGUMENTS = (
     *WORK,
     argument(
@@ -47,6 +41,14 @@ ARGUMENTS = (
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Compute a scene with several values of one setting. Print the observed order of convergence, the
     extrapolated value and the uncertainty band of each result, and write a plot. Takes seconds to minutes per value.
+
+    Example
+    -------
+    gearcase converge minimal --over step
+    ...
+    The setting in use is fine enough for 1 %: the widest uncertainty band is 0.1 % (sensor_3 rms, lifting).
+    ...
+    plot: convergence-minimal-step.png
     """
     from pipelines.io.user_files import writable_file
     from pipelines.report.figures.frame_files import save_figure

@@ -9,12 +9,6 @@ from pathlib import Path
 from pipelines.cli.command_line import NOISE, QUIET, START, Printed, argument
 from pipelines.io.argument_types import part, path, positive, whole
 
-EXAMPLE = """\
-gearcase dataset info campaigns/plan
-...
-  labels   6 healthy
-  split    4 train, 2 test; 6 groups of one scene, all with the same pair of gears (deviations.seed is constant)
-..."""
 _FOLDER = argument("folder", metavar="FOLDER", type=path, help="folder of the data set, as in campaigns/plan")
 _EXPORT = (
     _FOLDER,
@@ -98,7 +92,16 @@ gearcase dataset export campaigns/plan --to npz --split train --seconds 0.25 --n
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Summarise, check or export a data set of `gearcase campaign`. Takes seconds to minutes."""
+    """Summarise, check or export a data set of `gearcase campaign`. Takes seconds to minutes.
+
+    Example
+    -------
+    gearcase dataset info campaigns/plan
+    ...
+      labels   6 healthy
+      split    4 train, 2 test; 6 groups of one scene, all with the same pair of gears (deviations.seed is constant)
+    ...
+    """
     return {"info": _info, "check": _check, "export": _export}[options.action](options)
 
 

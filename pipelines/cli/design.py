@@ -9,11 +9,6 @@ from typing import Any
 from pipelines.cli.command_line import WORK, argument, scene_and_work
 from pipelines.io.argument_types import count, from_zero, path, positive
 
-EXAMPLE = """\
-gearcase design bench --vary both.tip_relief.amount_um=0:30:2 --vary both.tip_relief.length_mm=0.5:4:0.5
-...
---set stages.1.pinion.tip_relief.amount_um=...
-..."""
 ARGUMENTS = (  # defaults are those of `DesignOptions`
     *WORK,
     argument(
@@ -86,6 +81,13 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     numbers of teeth and other values of the stage. Print the best candidates, with values rounded to the steps of
     --vary, and the settings of the best design for each objective. A repeated search continues where it ended. Takes
     seconds for nominal pairs, and minutes with --samples.
+
+    Example
+    -------
+    gearcase design bench --vary both.tip_relief.amount_um=0:30:2 --vary both.tip_relief.length_mm=0.5:4:0.5
+    ...
+    --set stages.1.pinion.tip_relief.amount_um=...
+    ...
     """
     from dataclasses import fields
 

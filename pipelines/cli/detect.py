@@ -9,13 +9,6 @@ from pathlib import Path
 from pipelines.cli.command_line import SCENE, argument, campaign_arguments, work_of
 from pipelines.io.argument_types import count, from_zero
 
-EXAMPLE = """\
-gearcase detect bench --over faults.1.depth_mm=0.5:3:0.5 --dry-run
-scenes      88
-labels      60 chipped-tooth, 28 healthy
-...
-time        about 4 minutes on 2 cores: ...
-disk        about 324 MB in 440 files, 5 for each simulation"""
 ARGUMENTS = (
     *SCENE,
     argument(
@@ -50,6 +43,15 @@ ARGUMENTS = (
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Simulate healthy and damaged machines with different deviations. Print and write the probability of detection and
     the rate of false alarms over damage size, sensor noise and sensors. Takes minutes to hours: use --dry-run first.
+
+    Example
+    -------
+    gearcase detect bench --over faults.1.depth_mm=0.5:3:0.5 --dry-run
+    scenes      88
+    labels      60 chipped-tooth, 28 healthy
+    ...
+    time        about 4 minutes on 2 cores: ...
+    disk        about 324 MB in 440 files, 5 for each simulation
     """
     from pipelines.datasets.campaign import run_campaign
     from pipelines.datasets.campaign_scenes import sampled_scenes

@@ -9,14 +9,6 @@ from pathlib import Path
 from pipelines.cli.command_line import JSON, MACHINE, RUN_HELP, argument
 from pipelines.io.argument_types import number, path
 
-EXAMPLE = """\
-gearcase diagnose bench
-Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque load, deviations of seed 1): ...
-...
-line                  Hz  faulty m/s²  healthy m/s²  difference dB  over floor dB  healthy over floor dB  mark
-...
-envelope f_r      10.081       0.0224       0.00656          +10.7          +28.7                  +22.8  detected
-..."""
 ARGUMENTS = (
     argument(
         "records",
@@ -64,6 +56,16 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Find the damaged component from vibration. A measured recording is compared with recordings of healthy machines
     (--baseline). A finished run is compared with its healthy control, and the spectral lines of both are listed.
     Several recordings give a table; those that cannot be used are refused in it. Nothing is simulated. Takes seconds.
+
+    Example
+    -------
+    gearcase diagnose bench
+    Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque load, deviations of seed 1): ...
+    ...
+    line                  Hz  faulty m/s²  healthy m/s²  difference dB  over floor dB  healthy over floor dB  mark
+    ...
+    envelope f_r      10.081       0.0224       0.00656          +10.7          +28.7                  +22.8  detected
+    ...
     """
     from pipelines.runs.judged_recording import recording_and_window
     from pipelines.runs.run_folder import RESPONSE

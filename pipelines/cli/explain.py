@@ -7,12 +7,6 @@ from collections.abc import Iterator
 
 from pipelines.cli.command_line import SCENE
 
-EXAMPLE = """\
-gearcase explain bench
-First run: the cache holds no results of a similar scene to compare with.
-...
-compute  law_1
-..."""
 ARGUMENTS = (*SCENE,)
 
 
@@ -22,6 +16,14 @@ _WORDS = {"reuse": "reuse", "build": "compute", "follow": "perhaps"}
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Print which steps of a run would be reused from the cache, which would be computed, and which changed setting is
     the reason. Nothing is computed and no file is written. Takes seconds.
+
+    Example
+    -------
+    gearcase explain bench
+    First run: the cache holds no results of a similar scene to compare with.
+    ...
+    compute  law_1
+    ...
     """
     from pipelines.engine.cache import Cache
     from pipelines.engine.step import explain

@@ -8,9 +8,6 @@ from collections.abc import Iterator
 from pipelines.cli.command_line import RUN, argument
 from pipelines.io.argument_types import path
 
-EXAMPLE = """\
-gearcase export minimal --to mat
-runs/minimal/2026-11-25_00-50-21/response.mat"""
 ARGUMENTS = (
     RUN,
     argument("--to", dest="form", choices=("csv", "mat", "uff"), required=True, help="file format"),
@@ -26,6 +23,11 @@ ARGUMENTS = (
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Write the signals of a finished run as a CSV, MATLAB or universal file (UFF 58) for other programs. Takes
     seconds.
+
+    Example
+    -------
+    gearcase export minimal --to mat
+    runs/minimal/2026-11-25_00-50-21/response.mat
     """
     from pipelines.diagnosis.result_export import export
     from pipelines.io.errors import InputError

@@ -10,12 +10,6 @@ from pathlib import Path
 from pipelines.cli.command_line import MACHINE, NOISE, QUIET, START, argument
 from pipelines.io.argument_types import count, from_zero, path
 
-EXAMPLE = """\
-gearcase features bench
-recording,sensor,axis,component,feature,unit,value,level_dB
-...
-bench,motor_side,x,stage 1 pinion,fm4,1,...
-..."""
 ARGUMENTS = (
     argument(
         "sources",
@@ -46,6 +40,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Compute the features of recordings, finished runs or a data set: a row for each channel, component and feature,
     with value, unit and level. Names and definitions are the same for all. Without --out the table is printed as CSV;
     that of a data set is written to features.parquet in its folder. Takes seconds, for a data set minutes.
+
+    Example
+    -------
+    gearcase features bench
+    recording,sensor,axis,component,feature,unit,value,level_dB
+    ...
+    bench,motor_side,x,stage 1 pinion,fm4,1,...
+    ...
     """
     from pipelines.datasets.feature_source import ENDINGS, FEATURES, FeatureSource, write_features
     from pipelines.datasets.workers import local_workers

@@ -17,14 +17,6 @@ if TYPE_CHECKING:
     from pipelines.scene.load_scene import LoadedScene
     from pipelines.steps.pair_curves import PairLaws
 
-EXAMPLE = """\
-gearcase gears pair --torque 50 100 --plot te.png
-...
-stage  torque N m  flanks      order 1 um  order 2 um  order 3 um  order 4 um  order 5 um
------  ----------  ----------  ----------  ----------  ----------  ----------  ----------
-    1          50  unmodified      0.9229      0.6531      0.4129      0.1859    0.009963
-...
-te.png"""
 ARGUMENTS = (
     *WORK,
     argument(
@@ -79,6 +71,16 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     first to the last contact of one tooth. --plot plots the transmission error, --out writes the curves; `gearcase
     design` searches for reliefs and crownings. Takes seconds, and up to a minute for each pair with the mesh model
     `solid`.
+
+    Example
+    -------
+    gearcase gears pair --torque 50 100 --plot te.png
+    ...
+    stage  torque N m  flanks      order 1 um  order 2 um  order 3 um  order 4 um  order 5 um
+    -----  ----------  ----------  ----------  ----------  ----------  ----------  ----------
+        1          50  unmodified      0.9229      0.6531      0.4129      0.1859    0.009963
+    ...
+    te.png
     """
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text

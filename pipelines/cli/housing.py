@@ -16,15 +16,6 @@ if TYPE_CHECKING:
     from fem.casing.recognition.housing_contents import GeometryContents
     from fem.casing.recognition.shaft_fit import ShaftFit
 
-EXAMPLE = """\
-gearcase housing rig-housing.step --scene rig-healthy
-...
-bore  solid  diameter mm  length mm         middle mm     axis  arc deg
-----  -----  -----------  ---------  ----------------  -------  -------
-   1      1      95.0000     30.000  315.686, -135, 0  0, 1, 0      360
-...
-rig-housing-housing/housing.toml
-..."""
 
 _LENGTHS = ("m", "cm", "mm", "um", "inch")
 _SYSTEMS = ("kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s")
@@ -98,6 +89,17 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Read a housing from a CAD file, a mesh, or stiffness and mass matrices. Print its solids and bores, or a check of
     the matrices. Write a picture and an HTML page of the solids and bores. With --scene, choose the bores that hold
     the bearings (bearing seats), and write them to housing.toml. Takes seconds.
+
+    Example
+    -------
+    gearcase housing rig-housing.step --scene rig-healthy
+    ...
+    bore  solid  diameter mm  length mm         middle mm     axis  arc deg
+    ----  -----  -----------  ---------  ----------------  -------  -------
+       1      1      95.0000     30.000  315.686, -135, 0  0, 1, 0      360
+    ...
+    rig-housing-housing/housing.toml
+    ...
     """
     from fem.casing.imported.matrix_files import SUFFIXES
     from pipelines.io.errors import InputError

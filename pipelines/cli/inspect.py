@@ -19,12 +19,6 @@ if TYPE_CHECKING:
     from pipelines.machine.machine_model import MachineModel
     from pipelines.runs.inspect_gears import InspectedStage
 
-EXAMPLE = """\
-gearcase inspect minimal --position 0
-gears_1.png
-mesh_1.png
-pattern_1.png
-casing rigid: no mesh to show"""
 ARGUMENTS = (
     *WORK,
     argument(
@@ -73,6 +67,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Write pictures of a gear pair in mesh with its stiffness curve and contact pattern, and of the casing mesh.
     --stress, --mesh and --casing-mode write other pictures or files instead. Takes seconds, and up to minutes with
     the mesh model `solid`.
+
+    Example
+    -------
+    gearcase inspect minimal --position 0
+    gears_1.png
+    mesh_1.png
+    pattern_1.png
+    casing rigid: no mesh to show
     """
     from pipelines.io.errors import InputError
     from pipelines.io.user_files import writable_folder

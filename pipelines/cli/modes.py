@@ -15,15 +15,6 @@ if TYPE_CHECKING:
     from pipelines.io.text_table import Grid
     from pipelines.machine.machine_model import MachineModel
 
-EXAMPLE = """\
-gearcase modes minimal
-minimal: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle 0
-mode  frequency Hz  damping ratio %  shafts %  bearings %  casing %  drive %  mesh 1 %  dominant
-...
-   1        112.84            6.186      58.1         4.3       0.3     34.8       2.5  motor coupling
-...
-mesh 1: force 1061 N, tangent stiffness 146.9 N/um
-..."""
 ARGUMENTS = (
     *WORK,
     argument("--up-to", metavar="HZ", type=positive, default=10e3, help="highest frequency, Hz (default 10000)"),
@@ -53,6 +44,17 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     each part in the total energy of each mode. The column `dominant` names the part with the largest share of the
     strain energy; for casing and rope the mean of strain and kinetic share is used instead. Takes seconds if the
     cache holds mesh stiffness and casing.
+
+    Example
+    -------
+    gearcase modes minimal
+    minimal: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle 0
+    mode  frequency Hz  damping ratio %  shafts %  bearings %  casing %  drive %  mesh 1 %  dominant
+    ...
+       1        112.84            6.186      58.1         4.3       0.3     34.8       2.5  motor coupling
+    ...
+    mesh 1: force 1061 N, tangent stiffness 146.9 N/um
+    ...
     """
     from pipelines.io.json_text import json_text
     from pipelines.runs.single_results import build_machine_modes, scene_graph

@@ -8,9 +8,6 @@ from collections.abc import Iterator
 from pipelines.cli.command_line import argument
 from pipelines.io.argument_types import path
 
-EXAMPLE = """\
-gearcase new my.toml --from bench
-my.toml written from bench. Change it, then: gearcase check my.toml"""
 ARGUMENTS = (
     argument("file", metavar="FILE", type=path, help="scene file to write, ending in .toml; it must not exist"),
     argument(
@@ -27,6 +24,11 @@ ARGUMENTS = (
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Write a commented scene file as a start for your own. The source is a shipped scene, your own scene, or a gear
     unit in REXS. An existing file is never overwritten. Takes seconds.
+
+    Example
+    -------
+    gearcase new my.toml --from bench
+    my.toml written from bench. Change it, then: gearcase check my.toml
     """
     from pipelines.rexs.files import is_rexs
 

@@ -25,16 +25,6 @@ if TYPE_CHECKING:
 STEADY = 0.01  # relative range of the speeds up to which amplitudes over speed have no meaning
 SPEEDS = 9  # at which a Campbell diagram has natural frequencies
 AXES = ("x", "y", "z")
-EXAMPLE = """\
-gearcase orders reducer
-input-bearing z over the orders of shaft 1, 11 windows
-  order  highest m/s2  at rpm   at Hz
--------  ------------  ------  ------
-...
-     46        0.0944    1470  1126.7
-...
-runs/reducer/2026-11-25_01-02-30/orders.png
-..."""
 ARGUMENTS = (
     argument("run", metavar="RECORD", type=path, help=f"recording file, {RUN_HELP}; add a window as in bench@0.5:2.5"),
     MACHINE,
@@ -73,6 +63,18 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Analyse the run-up or coast-down of a finished run or a recording by orders of a shaft. Print the highest
     amplitude of each order. Write pictures of the order spectra over speed, and of the amplitude of each order over
     speed. Takes seconds.
+
+    Example
+    -------
+    gearcase orders reducer
+    input-bearing z over the orders of shaft 1, 11 windows
+      order  highest m/s2  at rpm   at Hz
+    -------  ------------  ------  ------
+    ...
+         46        0.0944    1470  1126.7
+    ...
+    runs/reducer/2026-11-25_01-02-30/orders.png
+    ...
     """
     import numpy as np
 

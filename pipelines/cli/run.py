@@ -10,12 +10,6 @@ from pathlib import Path
 from pipelines.cli.command_line import RUN_FOLDER, WORK, announce, argument, scene_and_work
 from pipelines.io.argument_types import count
 
-EXAMPLE = """\
-gearcase run bench
-Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque load, deviations of seed 1): ...
-...
-report: runs/bench/2026-11-25_01-02-13/report.html
-..."""
 ARGUMENTS = (
     *WORK,
     RUN_FOLDER,
@@ -52,6 +46,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     folder holds report.html, response.nc (the signals), the diagnosis and the settings. Takes seconds for the scenes
     `minimal` and `bench`, and less than a minute for `rig-missing-tooth`. The first run after installation also
     compiles code, which takes 20 seconds more. Results of earlier runs are reused from the cache.
+
+    Example
+    -------
+    gearcase run bench
+    Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque load, deviations of seed 1): ...
+    ...
+    report: runs/bench/2026-11-25_01-02-13/report.html
+    ...
     """
     announce(options)
     from pipelines.runs.run import run_scene

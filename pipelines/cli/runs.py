@@ -22,14 +22,6 @@ if TYPE_CHECKING:
     import numpy as np
 
 
-EXAMPLE = """\
-gearcase runs clean --keep 1
-Runs, newest first
-run  scene                 folder     age   MB  differs in  verdict
----  -------  -------------------  ------  ---  ----------  -------------
-  4  bench    2026-11-25_01-01-40  28 min  3.5  -           not diagnosed
-  5  minimal  2026-11-25_00-50-21  40 min  5.6  -           not diagnosed
-Nothing was removed. To remove these runs, repeat the command with --yes."""
 _JSON = argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the table as JSON")
 ARGUMENTS = (JSON,)
 DEFAULT_ACTION = "list"
@@ -93,6 +85,16 @@ LONGEST = 60  # characters of a value in the table of compared runs
 def main(options: argparse.Namespace) -> Iterator[str]:
     """List the finished runs under ./runs, open the report of one, compare several, or remove old ones. Takes
     seconds.
+
+    Example
+    -------
+    gearcase runs clean --keep 1
+    Runs, newest first
+    run  scene                 folder     age   MB  differs in  verdict
+    ---  -------  -------------------  ------  ---  ----------  -------------
+      4  bench    2026-11-25_01-01-40  28 min  3.5  -           not diagnosed
+      5  minimal  2026-11-25_00-50-21  40 min  5.6  -           not diagnosed
+    Nothing was removed. To remove these runs, repeat the command with --yes.
     """
     return {"list": _list, "open": _open, "compare": _compare, "clean": _clean}[options.action or DEFAULT_ACTION](
         options

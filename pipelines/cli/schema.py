@@ -8,15 +8,17 @@ from collections.abc import Iterator
 from pipelines.cli.command_line import argument
 from pipelines.io.argument_types import path
 
-EXAMPLE = """\
-gearcase schema --out scene.schema.json
-scene.schema.json"""
 ARGUMENTS = (argument("--out", metavar="FILE", type=path, help="file to write (default: print the schema)"),)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the JSON schema of scene files, with which an editor completes and checks keys and values. Takes a
     second.
+
+    Example
+    -------
+    gearcase schema --out scene.schema.json
+    scene.schema.json
     """
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text

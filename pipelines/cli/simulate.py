@@ -7,9 +7,6 @@ from collections.abc import Iterator
 
 from pipelines.cli.command_line import RUN_FOLDER, WORK, announce, scene_and_work
 
-EXAMPLE = """\
-gearcase simulate minimal
-signals: runs/minimal/2026-11-25_00-50-21/response.nc"""
 ARGUMENTS = (
     *WORK,
     RUN_FOLDER,
@@ -20,6 +17,11 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Simulate the machine and write its signals to response.nc in a result folder, by default under ./runs. There
     is no healthy control, no diagnosis and no report. Takes seconds for the scene `minimal`, and up to minutes
     for the scenes `rig-...`.
+
+    Example
+    -------
+    gearcase simulate minimal
+    signals: runs/minimal/2026-11-25_00-50-21/response.nc
     """
     announce(options)
     from pipelines.runs.run import run_scene

@@ -10,12 +10,6 @@ from pipelines.cli.command_line import SCENE, argument, campaign_arguments, work
 from pipelines.io.argument_types import count, path
 from pipelines.signals.features.definitions import BY_NAME
 
-EXAMPLE = """\
-gearcase spread minimal --dry-run
-scenes      100
-...
-time        about 34 s on 2 cores: ...
-disk        about 22.5 MB in 300 files, 3 for each simulation"""
 ARGUMENTS = (
     *SCENE,
     argument(
@@ -41,6 +35,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Simulate machines of a population that differ from the scene. Print and write the median and the 90 % interval of
     every feature, and first-order Sobol indices: which property of the machines makes the variance. Repeat the
     command to continue after an interruption. Takes minutes to hours: use --dry-run first.
+
+    Example
+    -------
+    gearcase spread minimal --dry-run
+    scenes      100
+    ...
+    time        about 34 s on 2 cores: ...
+    disk        about 22.5 MB in 300 files, 3 for each simulation
     """
     from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate

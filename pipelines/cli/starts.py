@@ -8,12 +8,6 @@ from collections.abc import Iterator
 from pipelines.cli.command_line import WORK, argument, scene_and_work
 from pipelines.io.argument_types import several
 
-EXAMPLE = """\
-gearcase starts minimal --set load.container_kg=2
-8 initial states
-level                         mean  mean +/- (95 % interval)  standard deviation  lowest  highest
-...
-sensor_3 rms, lifting, m/s2  0.798                  0.009512             0.01138  0.7769   0.8056"""
 ARGUMENTS = (
     *WORK,
     argument("--starts", type=several, metavar="N", default=8, help="number of initial states, 2 or more (default 8)"),
@@ -24,6 +18,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Simulate a scene from several slightly different initial states. Print mean and spread of the level of each
     sensor. Use it where teeth lose contact, so that levels depend on the initial state. Takes one simulation for each
     start.
+
+    Example
+    -------
+    gearcase starts minimal --set load.container_kg=2
+    8 initial states
+    level                         mean  mean +/- (95 % interval)  standard deviation  lowest  highest
+    ...
+    sensor_3 rms, lifting, m/s2  0.798                  0.009512             0.01138  0.7769   0.8056
     """
     from pipelines.scene.load_scene import changed
     from pipelines.studies.trade.measured_variants import measure

@@ -8,12 +8,6 @@ from collections.abc import Iterator
 from pipelines.cli.command_line import WORK, argument, scene_and_work
 from pipelines.io.argument_types import picture, seconds, share
 
-EXAMPLE = """\
-gearcase tradeoff minimal --error 2%
-...
-Within 2 % error of sensor rms the least expensive is "combination: mesh law standard, step 100 us" (1.91 s, 0.36 %).
-...
-plot: tradeoff-minimal.png"""
 ARGUMENTS = (
     *WORK,
     argument(
@@ -39,6 +33,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     mesh laws, casing and time step from different presets. The error is the deviation from the preset
     `reference`. Print a table, the least expensive choice within --error and the most accurate within --time;
     write a plot. Takes about a minute for the scene `minimal`, and about 5 minutes for the scenes `rig-...`.
+
+    Example
+    -------
+    gearcase tradeoff minimal --error 2%
+    ...
+    Within 2 % error of sensor rms the least expensive is "combination: mesh law standard, step 100 us" (1.91 s, 0.4 %).
+    ...
+    plot: tradeoff-minimal.png
     """
     from pipelines.io.user_files import writable_file
     from pipelines.report.figures.frame_files import save_figure

@@ -9,11 +9,6 @@ from pipelines.cli.command_line import QUIET, STEPS_AT_ONCE, argument, work_of
 from pipelines.io.argument_types import path, several
 from pipelines.scene.presets import PRESETS
 
-EXAMPLE = """\
-gearcase verify rig --out claims
-...
-claims/claims.md
-claims/claims.json"""
 ARGUMENTS = (
     argument("what", metavar="WHAT", choices=("rig",), help="study to check: rig, the quay-crane hoist rig"),
     argument("--seeds", type=several, metavar="N", default=5, help="seeds of the deviations, 2 or more (default 5)"),
@@ -33,6 +28,13 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Check the claims of a published study of a quay-crane hoist with a missing tooth. Print each claim with its
     limit, simulate the 8 scenes of the study with each seed, and print whether each claim holds. With --out,
     write claims.md and claims.json. Takes about 2 minutes on two cores, and longer with an empty cache.
+
+    Example
+    -------
+    gearcase verify rig --out claims
+    ...
+    claims/claims.md
+    claims/claims.json
     """
     from pipelines.engine.code_version import library_versions
     from pipelines.io.user_files import writable_folder
