@@ -196,17 +196,19 @@ def plain_symbols(name: str) -> str:
     return plain(name).replace("f_r", "fᵣ").replace("f_m", "fₘ")
 
 
-def dress(axes: Axes, title: str, x: str, y: str) -> None:
+def dress(axes: Axes, title: str, x: str, y: str, *, letters: float = 10.0) -> None:
     """Add title, labels and grid.
 
     Parameters
     ----------
     axes : the axes
     title, x, y : texts, those of the axes with their units
+    letters : size of all texts, points
     """
-    axes.set_title(title, fontsize=10, loc="left", y=1.0)
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)
+    axes.set_title(title, fontsize=letters, loc="left", y=1.0)
+    axes.set_xlabel(x, fontsize=letters)
+    axes.set_ylabel(y, fontsize=letters)
+    axes.tick_params(labelsize=letters)
     figure = axes.get_figure()
     if figure is not None and figure.get_layout_engine() is None:  # fixed places: else matplotlib measures all numbers
         below = axes.transAxes + ScaledTranslation(0.0, -LABEL_BELOW, figure.dpi_scale_trans)
