@@ -6,7 +6,6 @@ import argparse
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from pipelines.cli.command_line import JSON, RUN, RUN_HELP, argument
 from pipelines.io.argument_types import count, days, path
@@ -17,10 +16,6 @@ from pipelines.io.text_table import Grid
 from pipelines.runs.kept_runs import KeptRun, differing, kept_run, kept_runs, run_grid, run_settings
 from pipelines.runs.removed_runs import remove_runs, runs_to_remove
 from pipelines.runs.run_folder import REPORT, RESPONSE, ROOT, find_run, finished_runs, opened_run
-
-if TYPE_CHECKING:
-    import numpy as np
-
 
 _JSON = argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the table as JSON")
 ARGUMENTS = (JSON,)
@@ -185,6 +180,5 @@ def sensor_levels(folder: Path) -> dict[str, float]:
     with opened_run(folder / RESPONSE) as run:
         if "acceleration" not in run:
             return {}
-        values: np.ndarray = run.acceleration.transpose("sensor", "time", "axis").values
-        names = [str(name) for name in run.sensor.values]
-    return {name: float((one**2).sum(axis=1).mean() ** 0.5) for name, one in zip(names, values, strict=True)}
+        rms = (run.acceleration**2).sum("axis").mean("time") ** 0.5
+        return {str(name): float(level) for name, level in zip(run.sensor.values, rms.values, strict=True)}

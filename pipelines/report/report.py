@@ -23,6 +23,10 @@ from pipelines.report.figures.views import LeftOut
 from pipelines.signals.analysis import DiagnosisSettings
 
 Rows = Sequence[Mapping[str, Any]]
+GEARS = (
+    "Symbols of ISO 21771-1 and ISO 6336-1. Frequencies at the highest speed, forces at the load of the scene. The "
+    "line load is the tangential force per face width."
+)
 ROLLING = (
     "Pass frequencies at the highest speed, without slip. A spall on a rolling element meets both rings in each "
     "turn of the element, so its frequency is 2 BSF."
@@ -135,7 +139,7 @@ def report_sections(
         ("Two loads", signal_sections.two_loads(diagnoses)),
         ("All lines", signal_sections.all_lines(diagnoses, seeds)),
         ("What was run", _what_was_run(summary or {}, warnings)),
-        ("Gears", _gears(gears) + _picture(gear_picture)),
+        ("Gears", _noted(gears, GEARS, ("stage", "gear")) + _picture(gear_picture)),
         ("Rolling bearings", _noted(rolling, ROLLING)),
         ("Faults of shafts", _noted(shafts, SHAFTS)),
         ("Stiffness", [stiffness] if stiffness else []),
@@ -162,20 +166,12 @@ def _what_was_run(summary: Mapping[str, Any], warnings: Sequence[str]) -> list[s
     return parts
 
 
-def _gears(gears: Rows) -> list[str]:
-    note = (
-        "Symbols of ISO 21771-1 and ISO 6336-1. Frequencies at the highest speed, forces at the load of the scene. The "
-        "line load is the tangential force per face width."
-    )
-    parts = []
-    if gears:
-        parts = [page.table(turned(grid("", gears), ("stage", "gear"))), page.note(note)]
-    return parts
-
-
-def _noted(rows: Sequence[Mapping[str, Any]], note: str) -> list[str]:
-    """A table with what explains it, where there are rows."""
-    return [page.table(grid("", rows)), page.note(note)] if rows else []
+def _noted(rows: Rows, note: str, heads: Sequence[str] = ()) -> list[str]:
+    """A table with what explains it, where there are rows; with `heads` a column for each row, headed by these."""
+    if not rows:
+        return []
+    table = grid("", rows)
+    return [page.table(turned(table, heads) if heads else table), page.note(note)]
 
 
 def _picture(found: str | LeftOut | None) -> list[str]:

@@ -50,14 +50,15 @@ def signals(
     if channel is None:
         return []
     settings = diagnoses[0].settings if diagnoses else alone
-    own = None
-    if settings is not None and not diagnoses:
+    band, spectra = None, []
+    if diagnoses:
+        band, spectra = diagnoses[0].band, _compared_spectra(diagnoses[0])
+    elif settings is not None:
         own = analyse(next(iter(runs.values())), settings)
-    band = diagnoses[0].band if diagnoses else None if own is None else own.band
+        band, spectra = own.band, _own_spectra(own, settings)
     caption = "Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right)."
     waveforms = page.picture(waveform_figure(runs, *channel, windows), caption, "static")
-    parts = [charts(runs, channel, settings, band, windows), waveforms]
-    return parts + (_compared_spectra(diagnoses) if own is None or settings is None else _own_spectra(own, settings))
+    return [charts(runs, channel, settings, band, windows), waveforms, *spectra]
 
 
 def _channel(runs: Runs, sensor: str, axis: str) -> tuple[str, str] | None:
@@ -78,17 +79,15 @@ def levels(runs: Runs, windows: Windows) -> list[str]:
     return parts + ([page.paragraph(contact)] if contact else [])
 
 
-def _compared_spectra(diagnoses: Sequence[Diagnosis]) -> list[str]:
+def _compared_spectra(diagnosis: Diagnosis) -> list[str]:
     parts = []
-    for diagnosis in diagnoses[:1]:
-        for window in diagnosis.settings.windows:
-            segment = diagnosis.segments[window]
-            caption = (
-                f"{_named(diagnosis, window)}: one-sided peak amplitudes over {segment.revolutions} revolutions of the "
-                f"shaft of the damaged gear ({_length(segment)}), {_window_name(diagnosis.settings)}, "
-                f"sensor noise {diagnosis.noise:.3g} m/s² rms."
-            )
-            parts.append(page.picture(spectrum_figure(diagnosis, window), caption, "static"))
+    for window, segment in diagnosis.segments.items():
+        caption = (
+            f"{_named(diagnosis, window)}: one-sided peak amplitudes over {segment.revolutions} revolutions of the "
+            f"shaft of the damaged gear ({_length(segment)}), {_window_name(diagnosis.settings)}, "
+            f"sensor noise {diagnosis.noise:.3g} m/s² rms."
+        )
+        parts.append(page.picture(spectrum_figure(diagnosis, window), caption, "static"))
     return parts
 
 

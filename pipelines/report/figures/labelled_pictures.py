@@ -85,8 +85,8 @@ def _free_corner(box: tuple[float, float, float, float], column: float, row: flo
 
 def _draw_tooth(axes: Axes, near: Picture, tooth: DrawnTooth | None) -> None:
     """Damaged tooth with a description of its damage, and a scale of depth if it is worn."""
-    show(axes, near, whole=True)
-    corner_axes(axes, near)
+    _, right, _, bottom = show(axes, near, whole=True)
+    draw_axes(axes, near, (0.09 * right, 0.88 * bottom))
     if tooth is None:
         return
     axes.set_title(textwrap.fill(tooth.words, 52), fontsize=11, color=FAULTY, fontweight="bold")
@@ -161,21 +161,13 @@ def show(axes: Axes, picture: Picture, *, whole: bool = False) -> tuple[float, f
     return box
 
 
-def corner_axes(axes: Axes, picture: Picture) -> None:
-    """Draw the directions of a picture with the place "mesh" in its lower left corner."""
-    rows, columns = picture.image.shape[:2]
-    places = dict(picture.places) | {"origin": picture.places["mesh"]}
-    draw_axes(axes, Picture(image=picture.image, places=places), (0.09 * columns, 0.88 * rows))
-
-
 def draw_axes(axes: Axes, picture: Picture, corner: tuple[float, float]) -> None:
     """Draw the global directions as arrows from a corner of the picture (column, row)."""
-    shift = np.array(corner) - np.array(picture.places["origin"])
+    origin = np.array(picture.places["origin"])
     for axis in AXES:
-        arrow = np.array(picture.places[axis]) - np.array(picture.places["origin"])
-        start = np.array(picture.places["origin"]) + shift
-        tip, label = start + arrow, start + 1.2 * arrow
+        arrow = np.array(picture.places[axis]) - origin
+        tip, label = corner + arrow, corner + 1.2 * arrow
         style = {"arrowstyle": "-|>", "lw": 1.6, "color": "black", "shrinkA": 0}
-        axes.annotate("", (tip[0], tip[1]), xytext=(start[0], start[1]), arrowprops=style)
+        axes.annotate("", (tip[0], tip[1]), xytext=corner, arrowprops=style)
         axes.annotate(axis, (label[0], label[1]), ha="center", va="center", fontsize=11, fontweight="bold",
                       bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8})  # fmt: skip

@@ -50,7 +50,7 @@ def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Pic
 
 
 def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Picture:
-    """Render the damaged tooth on its gear, enlarged, without the mate; places "mesh", "x", "y", "z" at the tooth."""
+    """Render the damaged tooth on its gear, enlarged, without the mate; places "origin", "x", "y", "z" at the tooth."""
     arrays, places = _gear_arrays(view)
     assert view.marked is not None, "a view with a damaged tooth"
     gear, tooth = view.marked[0], view.tooth
@@ -65,7 +65,7 @@ def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Pict
     toward = 0.7 * outward + 0.6 * (tooth.flank if tooth is not None else 1) * around + 0.55 * end * np.eye(3)[2]
     direction, up = (tuple(rotated(vector, view.frame).tolist()) for vector in (toward, outward))
     middle = placed(turned_in(np.array([radius, 0.0, 0.0]), view.marked_angle, centre), view.frame)
-    named = {"mesh": middle} | _directions(middle, 0.2 * half)
+    named = _directions(middle, 0.2 * half)
     focus = (*middle.tolist(), half)
     return _render("gears", "damaged tooth", arrays, named, size=size, direction=direction, up=up, focus=focus)[0]
 
@@ -75,7 +75,7 @@ def _in_scene(places: Mapping[str, np.ndarray], view: GearPairView) -> dict[str,
 
 
 def _directions(origin: np.ndarray, length: float) -> dict[str, np.ndarray]:
-    return {axis: origin + length * np.eye(3)[i] for i, axis in enumerate("xyz")}
+    return {"origin": origin} | {axis: origin + length * np.eye(3)[i] for i, axis in enumerate("xyz")}
 
 
 def _gear_arrays(view: GearPairView) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
@@ -133,7 +133,7 @@ def render_casing(
         chosen = [place for name, place in points.items() if kind_of(name) == kind]
         arrays[f"{kind}_points"] = np.array(chosen, dtype=float).reshape(-1, 3)
     low = nodes.min(axis=0)
-    places = {**points, "origin": low, **_directions(low, 0.12 * float(np.linalg.norm(np.ptp(nodes, axis=0))))}
+    places = {**points, **_directions(low, 0.12 * float(np.linalg.norm(np.ptp(nodes, axis=0))))}
     return _render("casing", "casing", arrays, places, size=size, direction=FROM_FRONT, zoom=1.1)[0]
 
 
@@ -152,14 +152,14 @@ def render_mode(
     diagonal, low = float(np.linalg.norm(np.ptp(nodes, axis=0))), nodes.min(axis=0)
     arrays = {"nodes": nodes, "triangles": triangles, "shape": shape, "reach": np.array(0.08 * diagonal)}
     arrays["frames"] = np.array(frames)
-    places = {"origin": low} | _directions(low, 0.1 * diagonal)
+    places = _directions(low, 0.1 * diagonal)
     return _render("mode", "casing mode", arrays, places, size=size, direction=FROM_FRONT, zoom=1.35, frames=frames)
 
 
 def render_mesh(
     view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float, size: tuple[int, int] = (900, 620)
 ) -> list[Picture]:
-    """Render the translucent teeth in mesh at every cycle, with their contact lines; places "mesh", "x", "y", "z".
+    """Render the translucent teeth in mesh at every cycle, with their contact lines; places "origin", "x", "y", "z".
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ def _mesh_arrays(
         "wheel_turn": -2 * np.pi * cycles / view.pair.wheel.teeth,
     }
     middle = placed(np.array([pitch, 0.0, 0.0]), view.frame)
-    return arrays, {"mesh": middle} | _directions(middle, 0.2 * half), (*middle.tolist(), half)
+    return arrays, _directions(middle, 0.2 * half), (*middle.tolist(), half)
 
 
 def _module(pair: GearPair) -> float:
@@ -277,7 +277,7 @@ def show_mesh(view: MeshView, image: Path | None = None) -> None:
 def render_stress(
     view: GearPairView, cycle: float, teeth: Teeth, most: float, root: np.ndarray, size: tuple[int, int] = (1000, 620)
 ) -> Picture:
-    """Render loaded teeth coloured by von Mises stress; places "mesh", "pinion", "wheel", "root", "x", "y", "z".
+    """Render loaded teeth coloured by von Mises stress; places "pinion", "wheel", "root", "origin", "x", "y", "z".
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ from matplotlib.patches import Patch
 from pipelines.io.user_files import write_whole
 from pipelines.report.figures.colours import FAULTY, GONE, HEALTHY, LOAD_COLOURS, PAIR_COLOURS, PINION, WHEEL
 from pipelines.report.figures.frame_files import film_page, png, save_figure, write_gif
-from pipelines.report.figures.labelled_pictures import corner_axes, show
+from pipelines.report.figures.labelled_pictures import draw_axes, show
 from pipelines.report.figures.plots import dress, legend, new_figure, plain
 from pipelines.report.figures.render import render_mesh
 from pipelines.report.figures.tooth_mesh_frames import MeshFrames, MeshView
@@ -96,8 +96,8 @@ def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: f
 
 
 def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrames, frame: int) -> None:
-    show(axes, picture, whole=True)
-    corner_axes(axes, picture)
+    _, right, _, bottom = show(axes, picture, whole=True)
+    draw_axes(axes, picture, (0.09 * right, 0.88 * bottom))
     most = np.nanmax(state.pressure[frame]) / 1e6 if np.isfinite(state.pressure[frame]).any() else 0.0
     axes.set_title(
         f"{state.name}: Hertz pressure up to {most:.0f} MPa at this position\n"
