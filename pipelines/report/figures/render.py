@@ -207,7 +207,6 @@ def _mesh_arrays(
         "line_points": points,
         "line_load": load,
         "line_radius": np.array(radius * half),
-        "seen": np.array([pitch, 2.5 * half]),
         "toward": 6 * half * np.array(_mesh_direction(view)) @ view.frame[:3, :3],  # parallel: nothing hides them
         "centre_distance": np.array(view.pair.axis_distance),
         "pinion_turn": 2 * np.pi * cycles / view.pair.pinion.teeth,
@@ -249,7 +248,6 @@ def show_mesh(view: MeshView, image: Path | None = None) -> None:
         own |= {
             "most_load": np.array(view.most_load),
             "toward": np.zeros(3),
-            "seen": np.array([0.0, np.inf]),  # the user can turn and move the view
             "curve_cycle": state.curve.cycle,
             "secant": state.curve.secant,
             "share": state.curve.share,

@@ -87,15 +87,11 @@ def draw_gears(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
 
 
 def _draw_pair(there: Placed, arrays: dict[str, np.ndarray], opacity: float, marked: float) -> dict[str, list[Any]]:
-    """Draw the gears that are given, as far as they are in the picture, and the damaged tooth; their actors by gear."""
+    """Draw the gears that are given, and the damaged tooth; their actors by gear."""
     actors = {}
     for part, colour in (("pinion", PINION), ("wheel", WHEEL)):
         if f"{part}_points" in arrays:
-            points, quads = arrays[f"{part}_points"], arrays[f"{part}_quads"]
-            if f"{part}_turn" in arrays:
-                centre = 0.0 if part == "pinion" else float(arrays["centre_distance"])
-                quads = quads[seen(points, quads, arrays[f"{part}_turn"], centre, arrays["seen"])]
-            mesh = surface(points, quads)
+            mesh = surface(arrays[f"{part}_points"], arrays[f"{part}_quads"])
             actors[part] = [there.add_mesh(mesh, color=colour, opacity=opacity, specular=0.2)]
             actors[part] += _draw_edges(there, mesh, "#404040", 1.2)
     if "marked_points" in arrays:
@@ -317,24 +313,6 @@ def _draw_curves(plotter: Any, row: int, arrays: dict[str, np.ndarray], names: l
 def turned(angle: float, centre: float) -> np.ndarray:
     """Rotation about the axis along z through (centre, 0) as a 4 x 4 matrix."""
     return np.asarray(pyvista.Transform().rotate_z(np.degrees(angle), point=(centre, 0.0, 0.0)).matrix)
-
-
-def seen(points: np.ndarray, faces: np.ndarray, turns: np.ndarray, centre: float, place: np.ndarray) -> np.ndarray:
-    """Faces that are in the picture at any turn: most of two gears is outside of it.
-
-    Parameters
-    ----------
-    points, faces : of a gear, float (n, 3), m, and int (f, k)
-    turns : (frame,), rad, about the axis through (centre, 0)
-    centre : m
-    place : x of the pitch point and distance from it, m
-    """
-    near = np.zeros(len(points), dtype=bool)
-    for turn in turns:
-        matrix = turned(float(turn), centre)
-        flat = points[:, :2] @ matrix[:2, :2].T + matrix[:2, 3]
-        near |= np.hypot(flat[:, 0] - place[0], flat[:, 1]) < place[1]
-    return np.asarray(near[faces].any(axis=1))
 
 
 def contact_lines(points: np.ndarray, load: np.ndarray, radius: float) -> pyvista.PolyData | None:
