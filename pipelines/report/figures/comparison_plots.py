@@ -124,11 +124,11 @@ def cepstra_figure(found: Curves, names: Sequence[str], kinematics: Kinematics) 
 
 def averages_figure(found: Curves, names: Sequence[str]) -> Figure:
     """Time-synchronous averages over a turn of the shaft."""
-    figure = new_figure(0.9 + 1.7 * len(names))
+    title = plain(f"Time-synchronous averages at {' '.join(found.channel)}, mean over the turns")
+    figure = new_figure(0.9 + 1.7 * len(names), title=title)
     angle = np.arange(found.average.shape[1]) * 360.0 / found.average.shape[1]
     titles = [name + ", shifted to match A" * bool(turned) for name, turned in zip(names, found.turned, strict=True)]
     _panels(figure, titles, angle, found.average, (0.0, 360.0), (f"angle of {found.shaft}, °", "m/s²"))
-    figure.suptitle(plain(f"Time-synchronous averages at {' '.join(found.channel)}, mean over the turns"))
     return figure
 
 
@@ -166,7 +166,7 @@ def _spectra(
     marks: Mapping[str, float],
 ) -> Figure:
     """Logarithmic panels, whose curves are below the names of the marks."""
-    figure = new_figure(0.9 + 1.7 * len(names))
+    figure = new_figure(0.9 + 1.7 * len(names), title=plain(title))
     shown = (orders > span[0]) & (orders <= span[1])
     labels = "order of the first shaft", unit
     panels, lines = _panels(figure, names, orders[shown], rows[:, shown], span, labels, marks)
@@ -177,7 +177,6 @@ def _spectra(
     panels[0].set_ylim(low, low * (high / low) ** (1.0 / share))
     for axes in panels:
         axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a logarithmic axis take half the time of a figure
-    figure.suptitle(plain(title))
     return figure
 
 

@@ -42,7 +42,7 @@ def gear_figure(
     shown = 1 + (near is not None) + (curve is not None)
     height, width = 5.0, 6.25 * shown
     if title:  # of several lines, and perhaps a scale of wear: a layout engine makes room for them
-        figure = new_figure(height, width)
+        figure = new_figure(height, width, plain(title))
     else:
         figure = fixed_figure(height, width, columns=shown, left=0.05, across=0.85)
     left, *rest = np.atleast_1d(figure.subplots(1, shown, width_ratios=[1.05 if title else 0.95, *[1.0] * (shown - 1)]))
@@ -68,8 +68,6 @@ def gear_figure(
             arrowprops={"arrowstyle": "-|>", "color": FAULTY, "shrinkB": 4} if marked else None,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
         )
-    if title:
-        figure.suptitle(plain(title))
     return figure
 
 
@@ -124,8 +122,7 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
             )
     draw_axes(axes, picture, (right - 0.06 * (right - left), bottom))
     width = 0.16 * (right - left)
-    axes.set_xlim(left - width, right + width)
-    axes.set_ylim(bottom + LABEL_HEIGHT, top - LABEL_HEIGHT)
+    axes.set(xlim=(left - width, right + width), ylim=(bottom + LABEL_HEIGHT, top - LABEL_HEIGHT))
     counts = {kind: sum(kind_of(name) == kind for name in points) for kind in KINDS}
     handles = [
         Line2D([], [], marker="o", ls="", color=POINTS[kind], label=f"{kind} points ({counts[kind]})") for kind in KINDS
@@ -156,8 +153,7 @@ def show(axes: Axes, picture: Picture, *, whole: bool = False) -> tuple[float, f
         rows, columns = np.array([0, ink.shape[0] - 1]), np.array([0, ink.shape[1] - 1])
     border = 0.02 * float(columns[-1] - columns[0])
     box = (columns[0] - border, columns[-1] + border, rows[0] - border, rows[-1] + border)
-    axes.set_xlim(box[0], box[1])
-    axes.set_ylim(box[3], box[2])
+    axes.set(xlim=box[:2], ylim=(box[3], box[2]))
     return box
 
 

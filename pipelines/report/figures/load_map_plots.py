@@ -23,9 +23,9 @@ def load_map_figure(title: str, found: xarray.Dataset) -> Figure:
     found : of `pipelines.runs.load_map.load_map`
     """
     states = [str(one) for one in found.state.values]
-    figure = new_figure(7.6 + 2.7 * len(states), 13.0)
     lines = f"dashed: {states[0]}; solid: {states[1]}" if len(states) > 1 else states[0]
-    figure.suptitle(f"{plain(title)}\nhealthy pair without deviations, {plain(lines)}")
+    whole = f"{plain(title)}\nhealthy pair without deviations, {plain(lines)}"
+    figure = new_figure(7.6 + 2.7 * len(states), 13.0, whole)
     (cycle, ranges, orders), (pressure, load, root), *patterns = figure.subplots(2 + len(states), 3)
     torques = found.pattern_torque.values
     colours = colormaps["viridis"](np.linspace(0.0, 0.8, torques.size))

@@ -42,9 +42,12 @@ class StiffnessPlot:
     label: str = ""
 
 
-def new_figure(height: float, width: float = WIDTH) -> Figure:
-    """Empty figure (inches) with automatic layout."""
-    return Figure(figsize=(width, height), layout="constrained")
+def new_figure(height: float, width: float = WIDTH, title: str = "") -> Figure:
+    """Empty figure (inches) with automatic layout and a title, "" for none."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    if title:
+        figure.suptitle(title)
+    return figure
 
 
 def fixed_figure(
@@ -266,8 +269,8 @@ def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) 
 
     stages = list(dict.fromkeys(error.stage for error in errors))
     faulty = {error.stage for error in errors if error.passages}
-    figure = new_figure(0.7 + 3.6 * (len(stages) + len(faulty)), 11.0)
-    figure.suptitle(f"{plain(title)}\ntransmission error without deviations")
+    whole = f"{plain(title)}\ntransmission error without deviations"
+    figure = new_figure(0.7 + 3.6 * (len(stages) + len(faulty)), 11.0, whole)
     grid, row = figure.add_gridspec(len(stages) + len(faulty), 2, width_ratios=[1.2, 1.0]), 0
     for stage in stages:
         curves, lines = (figure.add_subplot(grid[row, column]) for column in (0, 1))

@@ -77,9 +77,9 @@ def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: f
     most : N/m, line load at the end of the colour scale
     """
     rows = len(pictures)
-    figure = new_figure(2.4 + 3.4 * rows, 13.0)
     cycle = float(view.cycles[frame])
-    figure.suptitle(f"{plain(view.title)}\nmesh cycle {cycle:.3f}, load {view.force:.4g} N, model {view.model}")
+    title = f"{plain(view.title)}\nmesh cycle {cycle:.3f}, load {view.force:.4g} N, model {view.model}"
+    figure = new_figure(2.4 + 3.4 * rows, 13.0, title)
     halves: Any = figure.subfigures(1, 2, width_ratios=[1.15, 1.0])
     left, right = halves
     boxes = np.atleast_1d(left.subplots(rows, 1))
