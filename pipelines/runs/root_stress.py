@@ -136,7 +136,6 @@ def root_stresses(pair: GearPair, teeth: Teeth) -> list[dict[str, Any]]:
 
 def stress_model(law: LawSpec) -> Solid:
     """The model `solid` with the options of a law, or with its defaults if the law has another model."""
-
     mesh = law.mesh
     return Solid(slices=mesh.slices, refinement=mesh.refinement) if isinstance(mesh, Solid) else Solid()
 

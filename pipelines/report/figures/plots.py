@@ -269,8 +269,9 @@ def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) 
 
     stages = list(dict.fromkeys(error.stage for error in errors))
     faulty = {error.stage for error in errors if error.passages}
-    whole = f"{plain(title)}\ntransmission error without deviations"
-    figure = new_figure(0.7 + 3.6 * (len(stages) + len(faulty)), 11.0, whole)
+    entries = max(sum(len(error.states) for error in errors if error.stage == stage) for stage in stages)
+    height = 0.7 + (3.6 + 0.1 * max(0, entries - 6)) * (len(stages) + len(faulty))
+    figure = new_figure(height, 11.0, f"{plain(title)}\ntransmission error without deviations")
     grid, row = figure.add_gridspec(len(stages) + len(faulty), 2, width_ratios=[1.2, 1.0]), 0
     for stage in stages:
         curves, lines = (figure.add_subplot(grid[row, column]) for column in (0, 1))
@@ -295,7 +296,7 @@ def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) 
         dress(lines, "orders of the mesh frequency", "order", "amplitude, µm")
         lines.set_xticks(range(1, ORDERS + 1))
         curves.legend(
-            fontsize=8, ncols=max(1, len(own) // 3 + 1), loc="upper left", bbox_to_anchor=(0.0, -0.16), frameon=False
+            fontsize=8, ncols=1 if count < 3 else 2, loc="upper left", bbox_to_anchor=(0.0, -0.18), frameon=False
         )
         if stage in faulty:
             _draw_passages(figure.add_subplot(grid[row, :]), own, colours)
