@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections import defaultdict
+from itertools import chain
 
 from pipelines.cli.command_line import Printed, argument
 from pipelines.io.argument_types import days
@@ -62,6 +63,6 @@ def main(options: argparse.Namespace) -> Printed:
     code = [path.stat().st_size for path in cache.compiled()]
     if code:
         yield f"  {'compiled code':16} {len(code):5} files   {sum(code) / 1e6:10.1f} MB"
-    total = sum(sum(found) for found in sizes.values()) + sum(code)
-    yield f"  {'all':16} {sum(map(len, sizes.values())) + len(code):5} stored  {total / 1e6:10.1f} MB"
+    stored = [*code, *chain.from_iterable(sizes.values())]
+    yield f"  {'all':16} {len(stored):5} stored  {sum(stored) / 1e6:10.1f} MB"
     return 0
