@@ -235,8 +235,8 @@ def test_spectra_that_zoom_have_marks_from_the_first_harmonic_on():
         revolution_frequency=WHEEL, mesh_frequency=MESH, windows={"lifting": WINDOWS["lifting"]}, sensor="sensor_3"
     )
     _, spectrum, envelope = views(settings, (1500.0, 4500.0))
-    assert spectrum.marks[:2] == ((MESH, "fₘ"), (2 * MESH, "2 fₘ"))
-    assert envelope.marks[:2] == ((WHEEL, "fᵣ"), (2 * WHEEL, "2 fᵣ"))
+    assert spectrum["marks"][:2] == [(MESH, "fₘ"), (2 * MESH, "2 fₘ")]
+    assert envelope["marks"][:2] == [(WHEEL, "fᵣ"), (2 * WHEEL, "2 fᵣ")]
 
 
 def unpacked(trace):
