@@ -27,7 +27,7 @@ from scipy.spatial import cKDTree
 from fem.casing.reduced.lanczos import EigenError, block_lanczos
 from fem.casing.reduced.reduction import Reduction, held_interface, largest_entry, reduce_body
 from fem.casing.reduced.sturm_count import count_fixed_modes
-from fem.numerics.linear_solver import Solver, factorize
+from fem.numerics.linear_solver import factorize
 from fem.numerics.memory import give_back
 from fem.numerics.unknowns import unknowns_of
 
@@ -150,7 +150,6 @@ def reduced_and_counted(
     *,
     highest: float | None,
     count: int = 0,
-    solver: Solver = "auto",
 ) -> tuple[Reduction, int]:
     """Reduce a body one subspace at a time; the number of modes is verified by a Sturm-sequence count.
 
@@ -160,7 +159,6 @@ def reduced_and_counted(
     loads : (n, l), those of `held_interface`
     highest : Hz, every mode up to it, with the inertia correction; or None:
     count : number of modes of every subspace, not verified; 0: static condensation
-    solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------
@@ -169,7 +167,7 @@ def reduced_and_counted(
 
     def reduced(one: Subspace) -> tuple[Reduction, int]:
         give_back()  # the factor of the subspace before
-        held = held_interface(one.K, one.rows, penalty=one.penalty, loads=one.motions.T @ loads, solver=solver)
+        held = held_interface(one.K, one.rows, penalty=one.penalty, loads=one.motions.T @ loads)
         if highest is None:
             return reduce_body(held, one.K, one.M, count=count, enrich=count > 0), 0
         counted = count_fixed_modes(held, one.K, one.M, highest)

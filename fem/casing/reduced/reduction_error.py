@@ -29,7 +29,7 @@ from fem.casing.reduced.grounded import GROUND_AXES, AssembledCasing, ForcedPoin
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduced_body import MODES_OVER_BAND, ReducedBody
 from fem.casing.reduced.undamped_modes import undamped_modes
-from fem.numerics.linear_solver import Solver, factorize
+from fem.numerics.linear_solver import factorize
 from fem.storage.records import Record, array, names, scalar
 
 _POWERS = 7
@@ -85,7 +85,6 @@ def state_error(
     damping: DampingRatio,
     loss_factors: Mapping[str, float] | None = None,
     springs: np.ndarray | None = None,
-    solver: Solver = "auto",
 ) -> ErrorStatement:
     """Compare a reduced casing with its full model; as expensive as the reduction.
 
@@ -97,14 +96,13 @@ def state_error(
     sensors : sensors of the compared responses, along their axes
     damping, loss_factors : of the full model, as given for the body
     springs : (interface,) N/m of the mounts, if the casing is on springs
-    solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------
     ValueError : the body has no row of a requested sensor
     """
     mounts = 0.0 if springs is None else casing.rows.T @ sp.diags_array(springs) @ casing.rows
-    solve = factorize(casing.K_free + mounts, solver=solver).solve
+    solve = factorize(casing.K_free + mounts).solve
     smallest = (2.0 * math.pi * MODES_OVER_BAND * band) ** -2.0
     theta, phi = block_lanczos(solve, casing.M_free, smallest=smallest)
     full = 1.0 / (2.0 * math.pi * np.sqrt(theta))
