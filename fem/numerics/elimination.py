@@ -131,10 +131,8 @@ def dissect(graph: sp.csr_matrix) -> np.ndarray:
 
     if graph.nnz == 0:
         return np.arange(graph.shape[0])
-    if hasattr(pymetis, "CSRAdjacency"):
-        adjacency = pymetis.CSRAdjacency(adj_starts=graph.indptr, adjacent=graph.indices)
-        return np.asarray(pymetis.nested_dissection(adjacency)[0])
-    return np.asarray(pymetis.nested_dissection(xadj=graph.indptr, adjncy=graph.indices)[0])  # before 2025.2
+    adjacency = pymetis.CSRAdjacency(adj_starts=graph.indptr, adjacent=graph.indices)
+    return np.asarray(pymetis.nested_dissection(adjacency)[0])
 
 
 def firsts(n: int, block: int) -> np.ndarray:

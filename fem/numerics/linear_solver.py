@@ -68,8 +68,8 @@ def factorize(K: sp.spmatrix, *, block: int = 3) -> Cholesky:
             f"smallest pivot {smallest:.3g} against a largest diagonal of {largest:.3g} (limit {_PIVOT_LIMIT:g})"
         )
     b = K @ np.random.default_rng(1).standard_normal(K.shape[0])
-    error = np.linalg.norm(K @ factor.solve(b) - b) / np.linalg.norm(b)
-    if not error <= _RESIDUAL_LIMIT:
-        raise SingularMatrixError(f"a relative residual of {error:.3g} is left (limit {_RESIDUAL_LIMIT:g})")
+    residual = np.linalg.norm(K @ factor.solve(b) - b) / np.linalg.norm(b)
+    if not residual <= _RESIDUAL_LIMIT:
+        raise SingularMatrixError(f"a relative residual of {residual:.3g} is left (limit {_RESIDUAL_LIMIT:g})")
     count("factorisations")
     return factor

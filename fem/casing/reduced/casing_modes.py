@@ -15,7 +15,7 @@ import numpy as np
 
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.parts.casing_choices import MOUNTS, DampingRatio
-from fem.casing.parts.feet import clamped_reactions, foot_sums
+from fem.casing.parts.feet import foot_sums
 from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.damping import energy_shares, modal_damping
 from fem.casing.reduced.fewer_modes import ModeSet, fewest_modes, kept
@@ -155,7 +155,7 @@ def _of_parts(casing: AssembledCasing, reduction: Reduction) -> np.ndarray:
 
 
 def _clamped_feet(casing: AssembledCasing, reduction: Reduction) -> tuple[np.ndarray, np.ndarray]:
-    """Results of `clamped_reactions`; zeros for feet on springs."""
+    """The two terms of `fem.casing.parts.feet`; zeros for feet on springs."""
     mesh, displaced = casing.mesh, reduction.loaded[:, -3:]
     feet = [np.unique(mesh.patch(name)) for name in mesh.patches("ground_")]
     if casing.ground == "springs":
@@ -163,7 +163,7 @@ def _clamped_feet(casing: AssembledCasing, reduction: Reduction) -> tuple[np.nda
     sums = foot_sums([3 * nodes + axis for nodes in feet for axis in range(3)], len(casing.inertial))
     forces = sums[:, casing.clamped] @ casing.K_clamped @ casing.expansion
     displaced = displaced - reduction.constraint @ (casing.rows @ displaced)
-    return clamped_reactions(forces, sums @ casing.inertial[:, :3], reduction.constraint, displaced)
+    return forces @ reduction.constraint, sums @ casing.inertial[:, :3] - forces @ displaced
 
 
 def _expanded(casing: AssembledCasing, reduction: Reduction) -> np.ndarray:

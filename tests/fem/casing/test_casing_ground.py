@@ -75,7 +75,6 @@ def test_a_casing_on_springs_passes_its_check_up(sprung):
     casing, reduction, _ = sprung
     found = check_up(casing, reduction)
     assert found.failures == ()
-    assert found.movable[:3] == pytest.approx(found.mass, rel=1e-12)  # nothing is clamped
 
 
 def test_without_mounts_the_body_is_free(sprung):
