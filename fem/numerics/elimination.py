@@ -30,12 +30,6 @@ class Elimination:
     children: tuple[tuple[int, ...], ...]  # supernodes whose update matrices are added to it
     split: tuple[int, int]  # supernodes before the first are not coupled with those from it to before the second
 
-    @property
-    def entries(self) -> int:
-        """Number of entries that a factor stores."""
-        width = np.diff(self.starts)
-        return int(sum(w * (w + len(r)) for w, r in zip(width, self.rows, strict=True)))
-
 
 def plan_elimination(K: sp.spmatrix, block: int = 1) -> Elimination:
     """Supernodes of a symmetric sparse matrix (n, n) with groups of `block` unknowns; the last may be smaller."""

@@ -184,16 +184,6 @@ def _abaqus(path: Path) -> Any:
     return meshio.read(path if known == text else io.StringIO(known), "abaqus")
 
 
-def _med(path: Path) -> Any:
-    """A MED file, by gmsh if meshio cannot read it: without groups, or with 27-node hexahedra."""
-    import meshio
-
-    try:
-        return meshio.read(path, "med")
-    except KeyError:
-        return _through_gmsh(path)
-
-
 def _through_gmsh(path: Path) -> Any:
     """A mesh read by gmsh, for formats that meshio cannot read or reads wrongly; groups become physical groups."""
     import meshio
@@ -220,7 +210,7 @@ _READERS = {
     ".inp": _abaqus,
     ".unv": _through_gmsh,
     ".mesh": _through_gmsh,
-    ".med": _med,
+    ".med": _through_gmsh,
 }
 
 
@@ -252,14 +242,9 @@ def _groups(mesh: Any, *, corners: int) -> tuple[dict[str, np.ndarray], dict[str
 def _named_cells(mesh: Any) -> Iterator[tuple[str, int, np.ndarray]]:
     """Name, block and cells of every group of cells."""
     titles = {(int(tag), int(dim)): name for name, (tag, dim) in mesh.field_data.items()}
-    families = getattr(mesh, "cell_tags", {})  # of MED: names of every family, whose numbers are 0 or negative
     for key, blocks in mesh.cell_data.items():
         for number, values in enumerate(blocks):
             if np.ndim(values) != 1:
-                continue
-            if key == "cell_tags":
-                for tag in set(families) & set(np.unique(values).tolist()):
-                    yield from ((name, number, np.flatnonzero(values == tag)) for name in families[tag])
                 continue
             if key not in _IDENTIFIERS:
                 yield key, number, np.flatnonzero(values)

@@ -96,11 +96,7 @@ class CasingModes(Record):
             )
         if not (np.isfinite(rows).all() and (rows > 0.0).all()):
             raise ValueError(f"mount stiffness is {rows.min():g} N/m; every mount needs a positive one in x, y and z")
-        rows = np.broadcast_to(rows, (len(feet), 3))
-        for place, name in enumerate(self.interface_names):
-            point, axis = name.split(":")
-            if point in feet:
-                out[place] = rows[feet.index(point), GROUND_AXES.index(axis)]
+        out[: 3 * len(feet)] = np.broadcast_to(rows, (len(feet), 3)).ravel()  # the feet are the first points
         return out
 
 
@@ -286,10 +282,8 @@ def _foot_rows(modes: CasingModes, springs: np.ndarray, factor: float, size: int
     """Force (3 feet, coordinate) of the ground on the feet: through clamped nodes, or through mounts."""
     rows = np.zeros((len(modes.foot_stiffness), size))
     rows[:, : len(springs)] = factor * modes.foot_stiffness
-    feet = [name for name in modes.point_names if name.startswith("ground_")]
-    for place in np.flatnonzero(springs):
-        point, axis = modes.interface_names[place].split(":")
-        rows[3 * feet.index(point) + GROUND_AXES.index(axis), place] -= springs[place]
+    at = np.flatnonzero(springs)  # of the feet along x, y, z, the first coordinates
+    rows[at, at] -= springs[at]
     return rows
 
 

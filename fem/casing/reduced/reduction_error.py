@@ -118,14 +118,9 @@ def state_error(
     names_used = [n for n, is_bearing in zip(casing.coordinate_names, bearing_rows, strict=True) if is_bearing]
     found = reduced_response(body, names_used, [s.name for s in sensors], frequencies)
     bearings = tuple(dict.fromkeys(name.split(":")[0] for name in names_used))
-    errors = np.zeros((len(thirds), len(bearings), len(sensors)))
-    for b, bearing in enumerate(bearings):
-        columns = [i for i, n in enumerate(names_used) if n.split(":")[0] == bearing and n.split(":")[1][0] == "u"]
-        for s in range(len(sensors)):
-            pair = np.ix_(range(len(frequencies)), range(3 * s, 3 * s + 3), columns)
-            off, size = (abs(h[pair]) ** 2 for h in (found - exact, exact))
-            by_third = off.reshape(len(thirds), -1).sum(axis=1), size.reshape(len(thirds), -1).sum(axis=1)
-            errors[:, b, s] = np.sqrt(by_third[0] / by_third[1])
+    moving = np.array([[n.startswith(f"{bearing}:u") for bearing in bearings] for n in names_used], float)
+    shape = len(thirds), LINES, len(sensors), 3, len(names_used)
+    off, size = ((abs(h) ** 2).reshape(shape).sum(axis=(1, 3)) @ moving for h in (found - exact, exact))
     return ErrorStatement(
         band=band,
         full_frequencies=inside,
@@ -133,7 +128,7 @@ def state_error(
         third_octaves=thirds,
         bearings=bearings,
         sensors=tuple(sensor.name for sensor in sensors),
-        response_errors=errors,
+        response_errors=np.sqrt(off / size).transpose(0, 2, 1),
     )
 
 
