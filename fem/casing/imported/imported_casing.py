@@ -152,7 +152,7 @@ def _modes(
         fixed_frequencies=reduction.frequencies,
         band_limit=0.0 if limit is None else limit,
         counted=-1,
-        unknowns=reduced.free_stiffness.shape[0],
+        unknowns=reduced.expansion.shape[1],
         participation=basis.T @ (body.mass @ R),
         foot_stiffness=foot_stiffness,
         foot_inertia=foot_inertia,

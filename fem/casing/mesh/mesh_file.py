@@ -241,10 +241,10 @@ def _groups(mesh: Any, *, corners: int) -> tuple[dict[str, np.ndarray], dict[str
 
 def _named_cells(mesh: Any) -> Iterator[tuple[str, int, np.ndarray]]:
     """Name, block and cells of every group of cells."""
-    titles = {(int(tag), int(dim)): name for name, (tag, dim) in mesh.field_data.items()}
+    titles = {(int(tag), int(dim)): name.strip() for name, (tag, dim) in mesh.field_data.items()}  # padded in MED
     for key, blocks in mesh.cell_data.items():
         for number, values in enumerate(blocks):
-            if np.ndim(values) != 1:
+            if np.ndim(values) != 1 or key == "gmsh:geometrical":
                 continue
             if key not in _IDENTIFIERS:
                 yield key, number, np.flatnonzero(values)
@@ -257,7 +257,7 @@ def _named_cells(mesh: Any) -> Iterator[tuple[str, int, np.ndarray]]:
             continue
         for number, cells in enumerate(blocks):
             if cells is not None and len(cells):
-                yield name, number, np.asarray(cells, np.int64)
+                yield name.strip(), number, np.asarray(cells, np.int64)
 
 
 def write_hexahedra(

@@ -9,6 +9,7 @@ from itertools import combinations, groupby, pairwise
 
 import numpy as np
 
+from fem.casing.mesh.surface import Surface
 from fem.casing.recognition.cylinders import Cylinder, fitted_cylinder, is_flat, turn
 from fem.casing.recognition.housing_contents import BoltPattern, FlatFace, FoundBore
 from fem.numerics.connected_parts import connected_parts
@@ -32,8 +33,8 @@ def faces_of(
     points, triangles : of the surface, (n, 3) m and (t, 3), seen from outside counter-clockwise
     face, solid : int (t,), number of the face and of the solid of every triangle
     """
-    corners = points[triangles]
-    vectors = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    surface = Surface(points, triangles)
+    corners, vectors = surface.corners, surface.area_vectors
     order = np.argsort(face, kind="stable")
     cylinders: list[tuple[Cylinder, int]] = []
     flats: list[FlatFace] = []
