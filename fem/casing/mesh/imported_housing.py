@@ -66,7 +66,6 @@ class ImportedHousing:
             raise HousingError(f"housing from {Path(self.path).name}: " + "; ".join(problems))
 
     def _problems(self) -> Iterator[tuple[bool, str]]:
-        yield self.unit not in UNITS, f"unit {self.unit!r} is not one of {', '.join(UNITS)}"
         yield (
             Path(self.path).suffix.lower() not in (*CAD_SUFFIXES, *SUFFIXES),
             f"the file is none of {', '.join((*CAD_SUFFIXES, *SUFFIXES))}",
@@ -79,8 +78,6 @@ class ImportedHousing:
         names = [seat.name for seat in self.seats] + [sensor.name for sensor in self.sensors]
         for name in dict.fromkeys(names):
             yield names.count(name) > 1, f"the name {name!r} is given {names.count(name)} times"
-        yield any(number < 1 for number in self.solids), f"solids {list(self.solids)}: they are numbered from 1"
-        yield not self.grounds, "no ground face; name at least one foot"
 
     @property
     def is_step(self) -> bool:
