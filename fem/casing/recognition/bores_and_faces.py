@@ -61,7 +61,7 @@ def _bores(cylinders: Sequence[tuple[Cylinder, int]]) -> list[FoundBore]:
     pairs = np.array([(i, j) for (i, (one, _)), (j, (two, _)) in several if _same(one, two)], int).reshape(-1, 2)
     label, found = connected_parts(len(cylinders), pairs[:, 0], pairs[:, 1]), []
     for part in np.unique(label):
-        own = [cylinders[i] for i in np.flatnonzero(label == part)]
+        own = [cylinders[i] for i in np.flatnonzero(label == part).tolist()]
         first, solid = own[0]
         corners = np.vstack([one.corners for one, _ in own])
         low, high = _span(corners, first)
