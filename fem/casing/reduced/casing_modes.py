@@ -79,7 +79,7 @@ class CasingModes(Record):
         Raises
         ------
         ReductionError : not one row or one per foot
-        ValueError : mounts of a fixed casing, none of one on springs
+        ValueError : mounts of a fixed casing, none of one on springs, none positive
         """
         if (mounts is not None) != (self.ground == "springs"):
             need = "needs mounts" if mounts is None else "takes no mounts"
@@ -94,6 +94,8 @@ class CasingModes(Record):
                 f"casing.mounts_N_per_um has {len(rows)} rows, and the casing has {len(feet)} feet. Give one row of x, "
                 f"y, z for all feet, or {len(feet)} rows."
             )
+        if not (np.isfinite(rows).all() and (rows > 0.0).all()):
+            raise ValueError(f"mount stiffness is {rows.min():g} N/m; every mount needs a positive one in x, y and z")
         out[: 3 * len(feet)] = np.broadcast_to(rows, (len(feet), 3)).ravel()  # the feet are the first points
         return out
 
