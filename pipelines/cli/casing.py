@@ -132,7 +132,7 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
                 else f", chosen for casing.error = {100 * casing.requested_error:.3g} %"
             )
             yield f"element size {1000 * casing.mesh.element_size:.3g} mm{asked}"
-        yield casing.checkup.report(0)
+        yield casing.checkup.report()
         yield casing_mode_table(casing.natural, count, casing.bands)
         if casing.modes.band_limit and (casing.natural.frequencies[:count] > casing.band).any():
             yield f"Modes above casing.band_Hz = {casing.band:g} Hz are approximate, and some may be missing."

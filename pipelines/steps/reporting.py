@@ -320,7 +320,7 @@ def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[st
                 "value": ", ".join(f"{f:.1f}" for f in first),
             },
             *(extrapolated if body.stiffness_factor != 1.0 else []),
-            {"property": "checks of the reduced model", "value": f"all {len(check.limit_names)} passed"},
+            {"property": "checks of the reduced model", "value": f"all {len(check.item_names)} passed"},
         ]
     return rows
 

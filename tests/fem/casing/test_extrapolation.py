@@ -184,7 +184,7 @@ def test_the_report_lists_frequencies_with_the_root_of_the_stiffness_factor():
         unknowns=300,
         solver="Lanczos",
         band_limit=3000.0,
-        checkup=SimpleNamespace(frequencies=np.array([500.0]), mass=1.0, limit_names=()),
+        checkup=SimpleNamespace(frequencies=np.array([500.0]), mass=1.0, item_names=()),
     )
     body = SimpleNamespace(model="craig-bampton", coordinate_names=(), stiffness_factor=0.81)
     rows = {row["property"]: row["value"] for row in _casing_rows(body, modes)}
