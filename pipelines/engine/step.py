@@ -41,8 +41,7 @@ class Step:
     `kind` names the cache entries; steps of one kind with equal inputs share one entry. `build` is a function of a
     module (not a lambda); its counts (`fem.storage.ledger`) are stored with the result. `takes` maps parameters of
     `build` to the names of the steps whose results they receive; several names give a list. `seconds` is the expected
-    time; long steps that are independent run in parallel. `reads` maps parameters to functions of a module that
-    extract from a large result what `build` needs.
+    time; long steps that are independent run in parallel.
     """
 
     name: str
@@ -54,7 +53,6 @@ class Step:
     libraries: tuple[str, ...] = ("numpy",)
     seconds: float = 0.1
     streams: bool = False  # `build` takes a `folder` for arrays too large for memory; None if none can be written
-    reads: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)  # by parameter
     enough: str = ""  # a number in `spec`; a stored result for a larger number can also be used
     prepare: Callable[..., None] | None = None  # ``prepare(spec, *results)`` compiles while other steps are built
     prepare_takes: tuple[str, ...] = ()
