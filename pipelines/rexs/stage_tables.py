@@ -9,14 +9,17 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from fem.gears.gear import Gear as Body
+from fem.elements.materials import STEEL
 from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
-from fem.gears.rack import Rack
 from fem.gears.wheel_body import THINNEST_RIM
-from pipelines.machine.layout import USUAL_BACKLASH
+from pipelines.io.errors import SceneError
+from pipelines.machine.layout import USUAL_BACKLASH, gear_pair
 from pipelines.rexs.document import RexsError
 from pipelines.rexs.gear_unit import GearUnit, Note, RexsGear, RexsShaft, RexsStage
+from pipelines.scene.load_scene import validate
+from pipelines.scene.merge import Merged
+from pipelines.scene.tables.stages import StageTable
 
 USUAL_RACK = {"rack_addendum": 1.0, "rack_dedendum": 1.25, "rack_tip_radius": 0.38}  # ISO 53 A
 
@@ -160,30 +163,11 @@ def _bore(
 def _pair(unit: GearUnit, stage: RexsStage, values: dict[str, Any]) -> GearPair:
     """The gears of a table in SI; RexsError with the reason where they do not work."""
     try:
-        pinion, wheel = (_body(values, name, hand) for name, hand in (("pinion", "right"), ("wheel", "left")))
-        return GearPair(pinion=pinion, wheel=wheel, centre_distance=values["centre_distance_mm"] / 1000)
-    except GeometryError as error:
-        raise RexsError(f"{unit.source}: {stage.label}: {error}") from error
-
-
-def _body(values: dict[str, Any], name: str, hand: str) -> Body:
-    details = values[name]
-    return Body(
-        teeth=values[f"{name}_teeth"],
-        normal_module=values["module_mm"] / 1000,
-        helix_angle=math.radians(values["helix_angle_deg"]),
-        face_width=values["face_width_mm"] / 1000,
-        profile_shift=values[f"{name}_profile_shift"],
-        rack=Rack(
-            addendum=details["rack_addendum"],
-            dedendum=details["rack_dedendum"],
-            tip_radius=details["rack_tip_radius"],
-            pressure_angle=math.radians(values["pressure_angle_deg"]),
-        ),
-        bore_radius=values[f"{name}_bore_mm"] / 2000,
-        tip_alteration=details["tip_alteration_mm"] / 1000,
-        hand=hand,
-    )
+        table, _ = validate(Merged(values), StageTable, unit.source)
+        return gear_pair(table, STEEL)
+    except (GeometryError, SceneError) as error:
+        reasons = "; ".join(map(str, getattr(error, "problems", (error,))))
+        raise RexsError(f"{unit.source}: {stage.label}: {reasons}") from error
 
 
 def _text(value: float) -> str:
