@@ -43,9 +43,7 @@ class StorageError(TypeError):
 
 def save_value(folder: Path, value: Any) -> None:
     """Write `value` into an empty folder."""
-    files = _Files(folder)
-    node = files.save(value)
-    (folder / CONTENTS).write_text(json.dumps(node), encoding="utf-8")
+    (folder / CONTENTS).write_text(json.dumps(_Files(folder).save(value)), encoding="utf-8")
 
 
 def reader(folder: Path) -> Callable[[], Any]:

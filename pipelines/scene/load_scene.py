@@ -95,8 +95,7 @@ def scene_of_tree(tree: Mapping[str, Any], name: str = "scene") -> LoadedScene:
     ------
     SceneError, InputError : as in `load_scene`
     """
-    source = Source(name, format_document(plain(tree)), Path.cwd(), f"scene {shown(name)}")
-    return _loaded(source, {}, [])
+    return _loaded(Source(name, format_document(plain(tree)), Path.cwd(), f"scene {shown(name)}"), {}, [])
 
 
 def _loaded(source: Source, change: Mapping[str, Any], problems: list[Problem]) -> LoadedScene:

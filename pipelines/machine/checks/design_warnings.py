@@ -17,11 +17,10 @@ from pipelines.machine.checks.strength import strength_warnings
 from pipelines.machine.checks.window_checks import bad_windows
 from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import Drivetrain
-from pipelines.machine.scene_bearings import bearing_names, bearing_table
+from pipelines.machine.scene_bearings import placed_bearings
 from pipelines.machine.scene_casing import dimensions
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
-from pipelines.scene.tables.housing import HousingBase
 from pipelines.scene.validation_messages import other_unit
 
 LOAD_ZONE = math.pi / 2  # from the direction of a radial load, without clearance or preload
@@ -85,7 +84,7 @@ def _mounts(scene: Scene) -> Iterator[str]:
 
 def _sensors(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     """Sensors at one place, and deep inside a parametric housing, as are positions in another unit."""
-    box = 1000 * np.array(dimensions(scene.housing, layout).box) if isinstance(scene.housing, HousingBase) else None
+    box = None if scene.parametric is None else 1000 * np.array(dimensions(scene.parametric, layout).box)
     names: dict[tuple, str] = {}
     for number, sensor in enumerate(scene.sensors, 1):
         place = f"sensors.{number}.position_mm"
@@ -138,18 +137,18 @@ def _gears(scene: Scene, layout: TrainLayout) -> Iterator[str]:
 
 def _fits(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     """Shafts that are thicker than the bore of a bearing or gear on them."""
-    for _, shaft, place in bearing_names(scene.shafts):
-        table = bearing_table(scene.shafts[shaft], scene.bearings, place)
+    for one in placed_bearings(scene):
+        table, on = one.table, scene.shafts[one.shaft]
         if table.model == "hertz" and table.designation is not None:
-            y, bore = scene.shafts[shaft].bearing_positions_mm[place], 1000 * bore_of(table.designation)
+            y, bore = on.bearing_positions_mm[one.place], 1000 * bore_of(table.designation)
             # at a shoulder the bearing is on the thinner side
-            sections = [(n, s) for n, s in enumerate(scene.shafts[shaft].sections, 1) if s.start_mm <= y <= s.end_mm]
+            sections = [(n, s) for n, s in enumerate(on.sections, 1) if s.start_mm <= y <= s.end_mm]
             number, section = min(sections, key=lambda found: found[1].diameter_mm)
             if section.diameter_mm > bore:
                 yield (
-                    f"shafts.{shaft + 1}.sections.{number}.diameter_mm = {section.diameter_mm:g}: the bore of bearing "
-                    f"{place + 1} on it, {table.designation}, is {bore:g} mm (ISO 15); reduce the diameter, or take a "
-                    "larger bearing"
+                    f"shafts.{one.shaft + 1}.sections.{number}.diameter_mm = {section.diameter_mm:g}: the bore of "
+                    f"bearing {one.place + 1} on it, {table.designation}, is {bore:g} mm (ISO 15); "
+                    "reduce the diameter, or take a larger bearing"
                 )
     for stage_number, (stage, pair, places) in enumerate(
         zip(scene.stages, layout.pairs, layout.pair_shafts, strict=True), 1

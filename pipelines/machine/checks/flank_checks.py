@@ -39,12 +39,10 @@ def bad_flanks(scene: Scene, train: Drivetrain) -> Iterator[Problem]:
                     check_prescribed(getattr(mesh.pair, name), given, getattr(stage.mesh, "positions", LEAST_POSITIONS))
             except GeometryError as error:
                 yield Problem(f"stages.{number}.{name}.deviations", str(error))
-    for number, pair in enumerate(pairs, 1):
-        for name in GEARS:
             try:
-                pitch_tolerance(getattr(pair, name), scene.deviations.iso_grade)
+                pitch_tolerance(getattr(mesh.pair, name), scene.deviations.iso_grade)
                 if set(scene.deviations.include) & {"profile", "helix"}:
-                    flank_tolerance(getattr(pair, name), scene.deviations.iso_grade)
+                    flank_tolerance(getattr(mesh.pair, name), scene.deviations.iso_grade)
             except GeometryError as error:
                 yield Problem(
                     f"stages.{number}",

@@ -30,6 +30,8 @@ def off_shaft(scene: Scene, layout: TrainLayout) -> Iterator[Problem]:
     """Parts that are beyond the ends of their shaft."""
     placed = [(f"probes.{n}.position_mm", p.shaft - 1, p.position_mm) for n, p in enumerate(scene.probes, 1)]
     placed += [(f"disks.{n}.position_mm", d.shaft - 1, d.position_mm) for n, d in enumerate(scene.disks, 1)]
+    for number, force in enumerate(scene.forces, 1):
+        placed += [(f"forces.{number}.{key}", force.shaft - 1, y) for key, y in force.positions.items()]
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pair_shafts, strict=True), 1):
         placed += [(f"stages.{number}.position_mm", shaft, stage.position_mm) for shaft in pair]
     for number, coupling in enumerate(scene.couplings, 1):

@@ -57,16 +57,9 @@ def bad_windows(scene: Scene, machine: Drivetrain) -> Iterator[Problem]:
             f"{rate:g}",
         )
     try:
-        low, high = envelope_band(settings, [], rate)
+        envelope_band(settings, [], rate)
     except DiagnosisError as error:
         yield Problem("diagnosis.envelope_band_Hz", str(error), "", '"resonance"')
-    else:
-        if high > rate / 2 and highest < rate / 2:
-            yield Problem(
-                "diagnosis.envelope_band_Hz",
-                f"the band of {low:.4g} to {high:.4g} Hz exceeds half of simulation.output_rate_Hz, {rate / 2:.4g} Hz",
-                "Raise simulation.output_rate_Hz, or set a lower band",
-            )
 
 
 def _short_window(

@@ -44,10 +44,15 @@ Samples = Annotated[
 ]
 
 
+def in_file(given: object) -> bool:
+    """Whether samples are a column of a file."""
+    return isinstance(given, ColumnTable)
+
+
 def check_pairs(table: Table, places: str, values: str) -> None:
     """Raise ValueError unless two keys of a table have equal numbers of values in the scene; places must increase."""
     first, second = getattr(table, places), getattr(table, values)
-    if isinstance(first, ColumnTable) or isinstance(second, ColumnTable):
+    if in_file(first) or in_file(second):
         return
     if len(first) != len(second):
         raise ValueError(f"{places} has {len(first)} values, {values} has {len(second)}. Set equal numbers of both")
@@ -72,19 +77,15 @@ def pairs(table: Table, places: str, values: str, path: str) -> tuple[np.ndarray
     ------
     SceneError : no such file or column, a cell that is not a number, places that do not increase, different lengths
     """
-    found, lines = [], []
-    for key in (places, values):
-        numbers, line = samples(getattr(table, key), f"{path}.{key}")
-        found.append(numbers)
-        lines.append(line)
-    first, second = found
+    first, line = samples(getattr(table, places), f"{path}.{places}")
+    second, _ = samples(getattr(table, values), f"{path}.{values}")
     if len(first) != len(second):
         raise refused(
             f"{path}.{values}", f"has {len(second)} values for {len(first)} of {places}", "Set equal numbers of both"
         )
     wrong = np.flatnonzero(np.diff(first) <= 0)
     if len(wrong):
-        i, line = int(wrong[0]) + 1, lines[0]
+        i = int(wrong[0]) + 1
         at = "" if line is None else f" (value {i + 1}, about line {line + i})"
         raise refused(
             f"{path}.{places}",

@@ -414,7 +414,7 @@ def test_the_seat_found_on_the_solid_is_the_seat_of_its_mesh():
 
     scene = load_scene("rig-step").scene
     layout = lay_out(scene)
-    made = housing(scene.casing.housing, (), layout, bearing_points(scene.shafts, layout))
+    made = housing(scene.casing.housing, (), layout, bearing_points(scene, layout))
     assert isinstance(made.seats[0], Seat)
     assert isinstance(made.seats[0].locator, ByCylinder)
     for seat, point in zip(made.seats, find_seats(made).values(), strict=True):
