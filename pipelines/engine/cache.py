@@ -62,8 +62,6 @@ class Cache:
             return None
         try:
             entry = verified(folder, thorough=thorough)
-            if entry.facts["key"] != key:
-                raise Damaged("the key does not match")
         except Damaged as damage:
             self.discard(folder, str(damage))
             return None

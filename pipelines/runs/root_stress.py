@@ -151,15 +151,14 @@ def stress_model(law: LawSpec) -> Solid:
 
 def root_step(machine: MachineModel, stage: int) -> Step:
     """The step of the root stresses of a stage (from 1) by unit forces on the flanks."""
-    from fem.contact.models.mesh_model import LawSpec
+    from fem.contact.models.solid_stress import root_stress
     from pipelines.engine.step import Step
-    from pipelines.steps import stress
 
     return Step(
         name=f"root stress of stage {stage}",
         kind="root-stress",
-        build=stress.build_root,
-        spec=LawSpec(pair=machine.flanks[stage - 1].pair, mesh=stress_model(machine.laws[stage - 1])),
+        build=root_stress,
+        spec={"pair": machine.flanks[stage - 1].pair, "model": stress_model(machine.laws[stage - 1])},
         libraries=("numpy", "scipy"),
         seconds=9.0,
     )
@@ -169,7 +168,6 @@ def _stress_steps(machine: MachineModel, stage: int, index: int, force: float) -
     """Steps of the compliance of a stage and of the stress of its teeth, healthy and, with faults, faulty."""
     import numpy as np
 
-    from fem.contact.models.mesh_model import LawSpec
     from pipelines.engine.step import Step
     from pipelines.machine.tooth_terms import mesh_faults
     from pipelines.steps import stress
@@ -182,7 +180,7 @@ def _stress_steps(machine: MachineModel, stage: int, index: int, force: float) -
             name=f"compliance of stage {stage}",
             kind="compliance",
             build=stress.build_compliance,
-            spec=LawSpec(pair=pair, mesh=model),
+            spec={"pair": pair, "model": model},
             libraries=("numpy", "scipy"),
             seconds=6.0,
         )

@@ -264,9 +264,7 @@ def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
 
 def user_states(source: Source, key: str) -> bool:
     """True if a file of the user, or one that it extends, sets a key such as "casing.band_Hz"."""
-    seen = set()
-    while source.folder is not None and identity(source) not in seen:
-        seen.add(identity(source))
+    while source.folder is not None:
         tree = parse(source)
         if _at(tree, tuple(key.split("."))) is not None:
             return True
