@@ -1,4 +1,4 @@
-"""The module table of docs/modules.md from docstrings and imports: python -m benchmarks.modules."""
+"""What every file of the packages holds and imports, a page of the site: python -m benchmarks.modules."""
 
 from __future__ import annotations
 
@@ -6,10 +6,8 @@ import ast
 from pathlib import Path
 
 from benchmarks.markdown import markdown
-from benchmarks.page import filled
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "modules.md"
 PACKAGES = ("fem", "mbd", "pipelines", "gearcase")
 
 
@@ -56,8 +54,8 @@ def tables() -> str:
     """All folders."""
     known = modules()
     folders = sorted({name.rpartition(".")[0] for name in known}, key=lambda f: (PACKAGES.index(f.split(".")[0]), f))
-    return "\n\n".join(f"### {folder}\n\n{folder_table(folder, known)}" for folder in folders)
+    return "\n\n".join(f"## {folder}\n\n{folder_table(folder, known)}" for folder in folders)
 
 
 if __name__ == "__main__":
-    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), "modules", tables()), encoding="utf-8")
+    print(tables())

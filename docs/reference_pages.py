@@ -1,9 +1,11 @@
-"""Pages of the site that are made from the code: every public name of Python, every command."""
+"""Pages of the site that are made from the code: every public name of Python, every command, every file."""
 
 import importlib
 import inspect
 import re
 from pathlib import Path
+
+from benchmarks.modules import tables
 
 GROUPS = (  # of the public names
     ("Scenes", ("Scene", "check", "Checked")),
@@ -22,7 +24,7 @@ HEAD = "<!-- made by reference_pages.py -->\n\n"
 
 def write(folder: Path) -> None:
     """Write the pages of the reference; what has not changed is left alone, so that it is not built again."""
-    for name, text in {**python_pages(), **command_pages()}.items():
+    for name, text in {**python_pages(), **command_pages(), "modules.md": f"{HEAD}# Modules\n\n{tables()}\n"}.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         if not path.exists() or path.read_text(encoding="utf-8") != text:

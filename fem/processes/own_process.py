@@ -10,6 +10,7 @@ It imports the libraries that it needs (1 s of processor time) and ends with its
 from __future__ import annotations
 
 import logging
+import signal
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
@@ -23,6 +24,8 @@ _log = logging.getLogger(__name__)
 _Arguments = TypeVarTuple("_Arguments")
 _Result = TypeVar("_Result")
 _MEMORY, _PER_BYTE = 4 << 30, 200  # a STEP file of 3 MB needs 0.55 GB and 20 times its size
+_SECONDS, _SECONDS_PER_BYTE = 60.0, 20e-6  # a STEP or IGES file needs 0.7e-6 s per byte
+_ENDED = {"SIGKILL": "crashed (SIGKILL, perhaps for lack of memory)", "SIGALRM": "did not end in its time"}
 READER = "{}: the library that reads it"
 DAMAGED = "it is damaged, or its format does not fit its ending. Export it again"
 
@@ -52,8 +55,8 @@ def call_in_own_process(
             with Processes(1, said) as child:
                 return child.submit(call, *arguments).result()
         except ProcessEnded as ended:
-            how = f"{ended}, perhaps for lack of memory" if str(ended) == "SIGKILL" else ended
-            raise error(f"{task} crashed ({how}); {remedy}") from ended
+            how = _ENDED.get(str(ended), f"crashed ({ended})")
+            raise error(f"{task} {how}; {remedy}") from ended
         finally:
             said.seek(0)
             for line in said.read().decode("utf-8", "replace").splitlines():
@@ -61,10 +64,11 @@ def call_in_own_process(
 
 
 @contextmanager
-def bounded_memory(file: Path) -> Iterator[None]:
-    """Limit the memory to what the reading of a file may need, if the system can limit it.
+def bounded(file: Path) -> Iterator[None]:
+    """Limit memory and time to what the reading of a file may need, if the system can limit them.
 
-    A wrong number in the file can make OpenCASCADE allocate memory until the system ends arbitrary processes.
+    A wrong number in the file can make OpenCASCADE allocate memory until the system ends arbitrary processes, or repeat
+    a loop without end. A process that exceeds the time is ended by SIGALRM.
     """
     if sys.platform == "win32":
         yield
@@ -72,10 +76,13 @@ def bounded_memory(file: Path) -> Iterator[None]:
     import resource
 
     usual, most = resource.getrlimit(resource.RLIMIT_AS)
-    bound = _MEMORY + _PER_BYTE * file.stat().st_size
+    size = file.stat().st_size
+    bound = _MEMORY + _PER_BYTE * size
     limits = [one for one in (usual, most) if one != resource.RLIM_INFINITY]
     resource.setrlimit(resource.RLIMIT_AS, (min(bound, *limits) if limits else bound, most))
+    signal.setitimer(signal.ITIMER_REAL, _SECONDS + _SECONDS_PER_BYTE * size)
     try:
         yield
     finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
         resource.setrlimit(resource.RLIMIT_AS, (usual, most))

@@ -147,7 +147,9 @@ def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
             rows.append((*start, answer, decibels(one.evidence.increase), strength, channel, str(place + 1), tooth))
     known = ("load", "deviations", "window", "damaged", "answer")
     head = (*known, "increase dB", verdict_words.STRENGTH, "channel", "rank", "tooth")
-    return Grid(title="Answer, and the damage in the scene (not used)", headers=head, rows=tuple(rows))
+    return Grid(
+        title="The diagnosis next to the damage of the scene, which it does not use", headers=head, rows=tuple(rows)
+    )
 
 
 def text(cases: Sequence[Case], damages: Sequence[Damage]) -> str:

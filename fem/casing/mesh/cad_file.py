@@ -30,7 +30,7 @@ from fem.casing.mesh.sizes import MM, Refinement, Sizes
 from fem.casing.mesh.surface import Surface
 from fem.numerics.connected_parts import connected_parts
 from fem.numerics.message_places import in_mm
-from fem.processes.own_process import DAMAGED, bounded_memory
+from fem.processes.own_process import DAMAGED, bounded
 
 _log = logging.getLogger(__name__)
 _TOUCHING = 1e-3  # mm
@@ -137,7 +137,7 @@ def import_solids(gmsh: Any, path: Path, unit: str | None) -> list[int]:
     converts = bool(declared) or kind == "iges"  # OpenCASCADE converts the unit of these
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM" if kind == "step" and declared else "")  # IGES cannot set it
     try:
-        with bounded_memory(path):
+        with bounded(path):
             gmsh.model.occ.importShapes(str(path), highestDimOnly=False, format=kind)
             gmsh.model.occ.synchronize()
         for tolerance in _SEWING if kind == "iges" else ():

@@ -25,7 +25,7 @@ from fem.casing.mesh.finished_mesh import RawMesh
 from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.elements.division import cut_quadrilaterals, described, divided, ordered
 from fem.elements.solid_elements import SOLIDS, ElementError, solid_element
-from fem.processes.own_process import DAMAGED, READER, bounded_memory, call_in_own_process
+from fem.processes.own_process import DAMAGED, READER, bounded, call_in_own_process
 
 _log = logging.getLogger(__name__)
 SUFFIXES = (".msh", ".inp", ".bdf", ".nas", ".vtu", ".vtk", ".unv", ".med", ".mesh", ".xdmf", ".cgns", ".e")
@@ -210,7 +210,7 @@ def _through_gmsh(path: Path) -> Any:
 
     with session() as gmsh, tempfile.TemporaryDirectory() as folder:
         try:
-            with bounded_memory(path):
+            with bounded(path):
                 gmsh.merge(str(path))
         except Exception as error:  # gmsh raises this class itself
             raise MeshError(str(error)) from error

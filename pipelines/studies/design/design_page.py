@@ -85,16 +85,16 @@ def _model(found: DesignStudy) -> Iterator[str]:
 
 
 def _louder(found: DesignStudy) -> str:
-    """Designs with less transmission error than the unmodified pair, but not a lower level."""
+    """Designs with less transmission error than the unmodified pair but a level at least as high."""
     changes = [key for key in found.levels[0] if key.endswith(" dB")]
-    names = ", ".join(
+    names = [
         row["design"]
         for row in found.levels[1:]
         if row["te um"] < found.levels[0]["te um"] and max(row[key] for key in changes) >= 0.0
-    )
-    return (
-        f"Less transmission error than the unmodified pair, but not a lower level: {names or 'none of these designs'}."
-    )
+    ]
+    if not names:
+        return "Every design with less transmission error than the unmodified pair has a lower level, too."
+    return f"Less transmission error than the unmodified pair, but a level at least as high: {', '.join(names)}."
 
 
 def write_page(found: DesignStudy, path: Path) -> None:

@@ -113,7 +113,7 @@ def convergence_figure(name: str, found: RefinementStudy) -> Figure:
 
     The `LABELLED` quantities with the widest bands have a colour and a name, all others are grey.
     """
-    from matplotlib.ticker import FuncFormatter, NullFormatter
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     from pipelines.report.figures.plots import dress, new_figure, plain
 
@@ -140,10 +140,9 @@ def convergence_figure(name: str, found: RefinementStudy) -> Figure:
     dress(axes, title, "level (x2: twice as fine)", "error relative to the limit, % (0 at the lower edge)")
     axes.set_xticks(sizes, labels=[level_name(fineness) for fineness in found.fineness])
     axes.set_xticks([], minor=True)
-    low, high = axes.get_ylim()
-    numbers = FuncFormatter(lambda value, _: f"{value:g}")
-    axes.yaxis.set_major_formatter(numbers)
-    axes.yaxis.set_minor_formatter(numbers if high < 10 * low else NullFormatter())
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
     figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize=9)
     return figure
 

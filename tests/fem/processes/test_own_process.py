@@ -5,12 +5,14 @@ import logging
 import operator
 import os
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from fem.processes.own_process import bounded_memory, call_in_own_process
+from fem.processes import own_process
+from fem.processes.own_process import bounded, call_in_own_process
 
 FILE = Path("any.step")
 
@@ -56,6 +58,21 @@ def test_reading_a_small_file_cannot_take_all_memory(tmp_path):
 
     (tmp_path / "a.brep").write_bytes(b"small")
     before = resource.getrlimit(resource.RLIMIT_AS)
-    with bounded_memory(tmp_path / "a.brep"), pytest.raises(MemoryError):
+    with bounded(tmp_path / "a.brep"), pytest.raises(MemoryError):
         np.empty(30 << 30, np.uint8)
     assert resource.getrlimit(resource.RLIMIT_AS) == before
+
+
+def read_without_end(file):
+    own_process._SECONDS = 0.2
+    with bounded(file):
+        time.sleep(60.0)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are those of POSIX")
+def test_reading_without_end_is_ended(tmp_path):
+    (tmp_path / "a.brep").write_bytes(b"small")
+    with pytest.raises(
+        TornError, match=r"^any.step: the library that reads it did not end in its time; export it again$"
+    ):
+        apart(read_without_end, tmp_path / "a.brep")

@@ -87,6 +87,7 @@ def test_transmission_error_and_pressure_are_those_of_gears(solved):
     assert float(found.order_amplitude.isel(torque=-1, order=0)) < float(found.peak_to_peak[-1])
 
 
+@pytest.mark.slow
 def test_gears_writes_the_figure_and_the_data_of_its_map(tmp_path, capsys):
     files = [tmp_path / "map.png", tmp_path / "map.nc"]
     settings = [word for key, value in SETTINGS.items() for word in ("--set", f"{key}={value}")]

@@ -175,6 +175,7 @@ def test_the_toml_of_the_page_makes_the_recommended_design(tmp_path):
     assert text.count("<svg") == 2
 
 
+@pytest.mark.slow
 def test_the_root_stress_of_a_design_is_that_of_its_map():
     study = found(vary=("both.lead_crowning_um=0:10:10",), minimize=("root-stress", "te"), torques=(60.0,))
     rows = {row["design"]: row for row in study.rows()}
@@ -272,7 +273,7 @@ def test_designs_with_less_transmission_error_but_no_lower_level_are_named():
         {"design": name, "te um": 0.1, "level change dB": change} for name, change in (("A", 1.0), ("B", -1.0))
     )
     given = replace(study, levels=({"design": "unmodified", "te um": 0.2, "level change dB": 0.0}, loud, quiet))
-    assert "Less transmission error than the unmodified pair, but not a lower level: A." in lines(given)
+    assert "Less transmission error than the unmodified pair, but a level at least as high: A." in lines(given)
 
 
 def test_an_interrupted_search_continues_and_a_repeated_one_computes_nothing(monkeypatch, own_cache):
