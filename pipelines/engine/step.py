@@ -220,18 +220,24 @@ def stored(step: Step, cache: Cache, contents: Mapping[str, str], *, thorough: b
     return cache.find(step.kind, min(serving)[1], thorough=thorough) if serving else None
 
 
-def stored_contents(steps: Iterable[Step], cache: Cache, known: Mapping[str, str]) -> tuple[dict[str, str], list[Step]]:
+def stored_contents(
+    steps: Iterable[Step],
+    cache: Cache,
+    known: Mapping[str, str],
+    like: Callable[[Step, Cache, Mapping[str, str]], Entry | None] = lambda step, cache, contents: None,
+) -> tuple[dict[str, str], list[Step]]:
     """Digests by name of the results that are known or stored, and the missing steps that could be built now.
 
     Parameters
     ----------
     steps, cache : each step after its inputs, and the cache of results
     known : digests by name
+    like : a stored result that is expected to be that of a step, if its own is not stored
     """
     contents, missing = dict(known), []
     for step in steps:
         if step.name not in contents and all(name in contents for name in step.inputs):
-            entry = stored(step, cache, contents, thorough=False)
+            entry = stored(step, cache, contents, thorough=False) or like(step, cache, contents)
             if entry is None:
                 missing.append(step)
             else:

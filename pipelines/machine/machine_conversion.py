@@ -23,7 +23,7 @@ from mbd.parts.losses import Brake
 from mbd.parts.oil_film import Film
 from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import Disk, ShaftSpec
-from pipelines.io.errors import InputError, Problem, Problems
+from pipelines.io.errors import InputError, Problems
 from pipelines.machine.layout import TrainLayout, lay_out
 from pipelines.machine.machine_model import Drivetrain, MachineModel, labels
 from pipelines.machine.machine_parts import GearMesh, GearTeeth, MachineParts, Recorded
@@ -70,8 +70,7 @@ def in_casing(train: Drivetrain, scene: Scene, problems: Problems) -> MachineMod
     """
     made = problems.made("casing.housing", casing, scene, train.layout, train.parts)
     for number, spec in enumerate(train.laws, 1):
-        if reason := _law_refusal(spec):
-            problems.append(Problem(f"stages.{number}.mesh", reason))
+        problems.made(f"stages.{number}.mesh", _check_law, spec)
     return None if problems else MachineModel(**vars(train), casing=made[0], structure=made[1])
 
 
@@ -114,13 +113,9 @@ def drivetrain(scene: Scene, layout: TrainLayout, problems: Problems) -> Drivetr
 
 
 @functools.lru_cache(maxsize=64)
-def _law_refusal(spec: LawSpec) -> str:
-    """The reason why the settings or the path of contact do not allow a mesh law; "" if none is known."""
-    try:
-        spec.mesh.check(spec.pair)
-    except (ModelError, GeometryError) as error:
-        return str(error)
-    return ""
+def _check_law(spec: LawSpec) -> None:
+    """ModelError or GeometryError if the settings or the path of contact do not allow a mesh law."""
+    spec.mesh.check(spec.pair)
 
 
 def gear_disk(name: str, y: float, gear: Gear, density: float) -> Disk:

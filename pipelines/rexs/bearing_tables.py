@@ -55,7 +55,12 @@ def bearing_table(bearing: RexsBearing, shaft: RexsShaft, path: str, notes: list
 
 
 def between_table(bearing: RexsBearing, shaft: RexsShaft, path: str, notes: list[Note]) -> dict[str, Any]:
-    """Keys of [[couplings]] for a bearing between two shafts: springs in all directions but the rotation."""
+    """Keys of [[couplings]] for a bearing between two shafts: springs in all directions but the rotation.
+
+    Parameters
+    ----------
+    bearing, shaft, path, notes : as in `bearing_table`
+    """
     springs = _springs(bearing, shaft, path, notes, "between two shafts", 0.0)
     del springs["model"]
     return {"torsional_stiffness_N_m_per_rad": 0.0, **springs, "damping_time_us": 5.0}

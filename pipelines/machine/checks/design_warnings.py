@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -19,16 +18,15 @@ from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import Drivetrain
 from pipelines.machine.scene_bearings import placed_bearings
 from pipelines.machine.scene_casing import dimensions
+from pipelines.scene.merge import leaves
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.validation_messages import other_unit
 
 LOAD_ZONE = math.pi / 2  # from the direction of a radial load, without clearance or preload
-_LEAST = {  # by key: smallest usual value, factor from another unit, and both units
-    "amount_um": (0.05, 1e3, "mm: %g um"),
-    "length_mm": (0.01, 1e3, "m: %g mm"),
-    "depth_mm": (1e-3, 1e3, "m: %g mm"),
-    "helix_angle_deg": (0.5, 180 / math.pi, "rad: %.3g deg"),
+MISTAKEN = {  # keys whose values are often in another unit
+    *("elastic_modulus_GPa", "density_kg_m3", "rope_modulus_GPa"),
+    *("amount_um", "length_mm", "depth_mm", "helix_angle_deg"),
 }
 HARMONICS = 5  # of the fastest mesh that a good record holds
 
@@ -37,9 +35,7 @@ def design_warnings(scene: Scene, machine: Drivetrain, diagnosed: bool = True) -
     """All warnings, in the order of the scene's tables; those of the diagnosis only if the run is `diagnosed`."""
     layout = machine.layout
     return (
-        *_materials(scene),
-        *(text for n, stage in enumerate(scene.stages, 1) for text in _small(stage.model_dump(), f"stages.{n}")),
-        *(text for n, fault in enumerate(scene.faults, 1) for text in _small(fault.model_dump(), f"faults.{n}")),
+        *_unusual(scene),
         *_mounts(scene),
         *_sensors(scene, layout),
         *_gears(scene, layout),
@@ -53,25 +49,11 @@ def design_warnings(scene: Scene, machine: Drivetrain, diagnosed: bool = True) -
     )
 
 
-def _materials(scene: Scene) -> Iterator[str]:
+def _unusual(scene: Scene) -> Iterator[str]:
     """Values that look as if they were in another unit."""
-    tables = {"gear_material": scene.gear_material, "load": scene.load}
-    if (iron := getattr(scene.casing, "material", None)) is not None:
-        tables["casing.material"] = iron
-    for place, table in tables.items():
-        for key in ("elastic_modulus_GPa", "density_kg_m3", "rope_modulus_GPa"):
-            value = getattr(table, key, None)
-            if remedy := other_unit(key, value):
-                yield f"{place}.{key} = {value:g}: an unusual value. {remedy.rstrip('.')}"
-
-
-def _small(tree: Any, path: str) -> Iterator[str]:
-    """Values of a table so small that they look as if they were in another unit."""
-    for key, value in tree.items() if isinstance(tree, Mapping) else ():
-        least, factor, units = _LEAST.get(key, (0.0, 1.0, ""))
-        if least and 0.0 < value < least:
-            yield f"{path}.{key} = {value:g}: an unusual value. Convert it if it is in {units % (factor * value)}"
-        yield from _small(value, f"{path}.{key}")
+    for path, value in leaves(scene.model_dump()).items():
+        if path[-1] in MISTAKEN and (remedy := other_unit(path[-1], value)):
+            yield f"{'.'.join(path)} = {value:g}: an unusual value. {remedy.rstrip('.')}"
 
 
 def _mounts(scene: Scene) -> Iterator[str]:
