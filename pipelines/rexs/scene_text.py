@@ -185,7 +185,7 @@ def _cylinders(unit: GearUnit, shaft: RexsShaft, notes: list[Note], path: str) -
                 f"{section.start:g} mm. Sections must join: correct u_coordinate_on_shaft or length."
             )
         start = section.start if before is None else before.end
-        before = RexsSection(start=start, end=section.end, outer=section.outer, inner=section.inner)
+        before = section
         conical = section.outer[0] != section.outer[1] or section.inner[0] != section.inner[1]
         if conical:
             where = f"{path} from y = {start:g} to {section.end:g} mm"
