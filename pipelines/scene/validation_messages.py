@@ -164,44 +164,59 @@ def user_path(location: Iterable[int | str], model: Any, tree: Any, *, missing: 
 
 
 def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths) -> Problem:
-    kind, context, location, value = item["type"], item.get("ctx", {}), item["loc"], item["input"]
+    kind, context, location = item["type"], item.get("ctx", {}), item["loc"]
     path = user_path(location, model, tree, missing=kind == "missing")
     key, where = (path[-1] if path else ""), ".".join(path)
-    unit, remedy = _unit(key), "Correct the value."
+    unit = _unit(key)
+    value = item["input"]
+    written = None if kind == "missing" else _shown(value)
+    if kind == "extra_forbidden":
+        return Problem(where, *_unknown_key(path, model, tree, paths), written)
     if kind == "missing" and isinstance(location[-1], int):  # a list of fixed length is too short
-        where, message = where.rpartition(".")[0], "has too few values"
-        remedy = f"Give all of them{_meaning(path[:-1], model, tree)}."
-    elif kind == "missing":
+        return Problem(
+            where.rpartition(".")[0],
+            "has too few values",
+            f"Give all of them{_meaning(path[:-1], model, tree)}.",
+            _shown(value),
+        )
+    if kind == "missing":
         return Problem(where, "is missing", f"Set {_example(path, model, tree)}.")
-    elif kind == "extra_forbidden":
-        message, remedy = _unknown_key(path, model, tree, paths)
-    elif kind in _LIMITS:
+    if kind in _LIMITS:
         words, name = _LIMITS[kind]
-        message = f"must be {words} {shown_number(context[name])}{unit.removeprefix(' in')}"
-        remedy = other_unit(key, value) or remedy
-    elif kind in ("literal_error", "union_tag_invalid", "enum"):
+        limit = shown_number(context[name])
+        return Problem(
+            where,
+            f"must be {words} {limit}{unit.removeprefix(' in')}",
+            other_unit(key, value) or "Correct the value.",
+            written,
+        )
+    if kind in ("literal_error", "union_tag_invalid", "enum"):
         if kind == "union_tag_invalid":
-            where, value = f"{where}.{_tag_key(context)}", context["tag"]
-        expected = str(context.get("expected_tags") or context["expected"]).replace(" or ", ", ")
-        known = [word.strip(" '\"") for word in expected.split(",")]
-        message = f"must be one of {', '.join(known)}"
-        if near := nearest_name(value, known) if isinstance(value, str) else "":
-            remedy = f'Did you mean "{near}"?'
-    elif kind == "union_tag_not_found":
+            where, value, written = f"{where}.{_tag_key(context)}", context["tag"], _shown(context["tag"])
+            known = [w.strip(" '\"") for w in str(context["expected_tags"]).split(",")]
+        else:
+            known = [w.strip(" '\"") for w in str(context["expected"]).replace(" or ", ", ").split(",")]
+        near = nearest_name(value, known) if isinstance(value, str) else ""
+        remedy = f'Did you mean "{near}"?' if near else "Correct the value."
+        return Problem(where, f"must be one of {', '.join(known)}", remedy, written)
+    if kind == "union_tag_not_found":
         key = _tag_key(context)
         known = [str(tag) for member in _at(path, model, tree).tables for tag in tags(member)]
         return Problem(f"{where}.{key}", "is missing", f"Set {key} to one of {', '.join(known)}.")
-    elif kind.startswith(("float", "int", "decimal")) or kind == "finite_number":
+    if kind.startswith(("float", "int", "decimal")) or kind == "finite_number":
         noun = "a whole number" if kind.startswith("int") else "a finite number" if "finite" in kind else "a number"
-        message = f"must be {noun}{unit}"
-        remedy = "Write the number alone, without quotes and unit." if isinstance(value, str) else remedy
-    elif kind == "string_pattern_mismatch":
-        message, remedy = "does not have the required form", f"Correct it{_meaning(path, model, tree)}."
-    elif kind in _KINDS:
+        return Problem(
+            where,
+            f"must be {noun}{unit}",
+            "Write the number alone, without quotes and unit." if isinstance(value, str) else "Correct the value.",
+            written,
+        )
+    if kind == "string_pattern_mismatch":
+        return Problem(where, "does not have the required form", f"Correct it{_meaning(path, model, tree)}.", written)
+    if kind in _KINDS:
         message, remedy = _KINDS[kind]
         if message == _LIST[0] and isinstance(value, Mapping) and value and all(name.isdecimal() for name in value):
-            first = next(iter(value))
-            return Problem(f"{where}.{first}", *no_item(where, first, 0))
+            return Problem(f"{where}.{next(iter(value))}", *no_item(where, next(iter(value)), 0))
         if message == _LIST[0] and isinstance(value, Mapping):
             remedy = (
                 f"Write [[{where}]] before each of its tables; to change item 1: [{where}.1] or --set {where}.1.key."
@@ -209,18 +224,20 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         elif message == _LIST[0] and path[-1].isdigit():
             remedy = "Write each row in square brackets, as in [[value, value], [value, value]]."
         if message == _TABLE[0] and unit:  # the key is a quantity over time
-            message = f"must be a list of numbers{unit}"
-            remedy = "Write [value, value, ...], or { file = ..., column = ... }."
+            message, remedy = (
+                f"must be a list of numbers{unit}",
+                "Write [value, value, ...], or { file = ..., column = ... }.",
+            )
         if kind == "string_type" and (meaning := _meaning(path, model, tree)):
             remedy += f". Meaning{meaning}"
-    elif kind in ("too_short", "too_long"):
+        return Problem(where, message, remedy, written)
+    if kind in ("too_short", "too_long"):
         bound = "at least" if kind == "too_short" else "at most"
         limit = context.get("min_length", context.get("max_length"))
-        message, remedy = f"has {context['actual_length']} items, and must have {bound} {limit}", "Correct the list."
-        value = None
-    else:
-        message, remedy, value = str(item["msg"]), "", None if isinstance(value, list) else value
-    return Problem(where, message, remedy, _shown(value))
+        return Problem(
+            where, f"has {context['actual_length']} items, and must have {bound} {limit}", "Correct the list.", None
+        )
+    return Problem(where, str(item["msg"]), "", None if isinstance(value, Mapping | list | BaseModel) else written)
 
 
 _LIMITS = {
