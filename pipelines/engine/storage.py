@@ -238,11 +238,9 @@ def stored_class(name: str, *, record: bool) -> Any:
     for part in qualified.split("."):
         found = getattr(found, part, None)
     itself = isinstance(found, type) and (found.__module__, found.__qualname__) == (module, qualified)
-    if record and itself and issubclass(found, Record):
-        return found
-    if not record and itself and ours and dataclasses.is_dataclass(found):
-        return found
-    raise ContentsError(f"{name[:80]} is not a {'record' if record else 'dataclass of gearcase'}")
+    if not itself or not (issubclass(found, Record) if record else ours and dataclasses.is_dataclass(found)):
+        raise ContentsError(f"{name[:80]} is not a {'record' if record else 'dataclass of gearcase'}")
+    return found
 
 
 def _fingerprint(value: Any) -> Any:
