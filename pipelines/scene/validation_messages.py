@@ -250,7 +250,9 @@ _LIMITS = {
 _USUAL = {  # by key, or by the unit of a key: other units, factors, and usual values
     "amount_um": ((("mm", 1e3),), 0.05, math.inf),
     "length_mm": ((("m", 1e3),), 0.01, math.inf),
-    "depth_mm": ((("m", 1e3),), 1e-3, math.inf),
+    "depth_mm": ((("m", 1e3),), 5e-3, math.inf),
+    "in_plane_um": ((("mm", 1e3),), 0.05, math.inf),
+    "out_of_plane_um": ((("mm", 1e3),), 0.05, math.inf),
     "helix_angle_deg": ((("rad", 180 / math.pi),), 0.5, math.inf),
     "GPa": ((("MPa", 1e-3), ("Pa", 1e-9)), 1.0, 2000.0),
     "mm": ((("m", 1e3),), 0.05, 10e3),

@@ -25,8 +25,8 @@ from pipelines.scene.validation_messages import other_unit
 
 LOAD_ZONE = math.pi / 2  # from the direction of a radial load, without clearance or preload
 MISTAKEN = {  # keys whose values are often in another unit
-    *("elastic_modulus_GPa", "density_kg_m3", "rope_modulus_GPa"),
-    *("amount_um", "length_mm", "depth_mm", "helix_angle_deg"),
+    *("elastic_modulus_GPa", "density_kg_m3", "rope_modulus_GPa", "helix_angle_deg"),
+    *("amount_um", "length_mm", "depth_mm", "in_plane_um", "out_of_plane_um"),
 }
 HARMONICS = 5  # of the fastest mesh that a good record holds
 
