@@ -6,12 +6,11 @@ from the descriptions of the fields. Values are kept as written; `pipelines.mach
 
 from __future__ import annotations
 
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
 from mbd.forces.bearing_models import LinearBearings
-from mbd.integrators.settings import MotionSettings
 from mbd.parts.losses import NoLosses
 from pipelines.io.shown_text import shown_value
 from pipelines.scene.shaft_places import stage_shafts
@@ -29,9 +28,8 @@ from pipelines.scene.tables.forces import ForceModel
 from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm
 from pipelines.scene.tables.scene_table import Table, repeated_names
 from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ProbeTable, ShaftModelTable, ShaftTable
+from pipelines.scene.tables.simulation import SimulationTable
 from pipelines.scene.tables.stages import DeviationTable, StageTable
-
-SimulationTable: TypeAlias = table(MotionSettings)
 
 
 class Scene(Table):

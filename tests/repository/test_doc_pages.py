@@ -17,8 +17,8 @@ from mbd.forces.bearing_models import BEARINGS
 from mbd.forces.hanging_loads import LOADS
 from mbd.integrators.methods import METHODS
 from pipelines.cli.command_line import COMMANDS
-from pipelines.scene.scene import SimulationTable
 from pipelines.scene.tables import casing, losses, shafts
+from pipelines.scene.tables.simulation import SimulationTable
 
 DOCS = ROOT / "docs"
 

@@ -22,10 +22,10 @@ from pipelines.io.errors import SceneError
 from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene, validate
 from pipelines.scene.merge import Merged
-from pipelines.scene.scene import SimulationTable
 from pipelines.scene.tables.casing import CASING_TABLES, FlexibleBase
 from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.faults import FaultTable
+from pipelines.scene.tables.simulation import SimulationTable
 from pipelines.scene.tables.stages import MeshModel
 from pipelines.steps.machine_steps import machine_steps
 
