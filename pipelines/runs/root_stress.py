@@ -142,14 +142,14 @@ def stress_model(law: LawSpec) -> Solid:
 
 def root_step(machine: MachineModel, stage: int) -> Step:
     """The step of the root stresses of a stage (from 1) by unit forces on the flanks."""
+    from fem.contact.models.solid_stress import root_stress
     from pipelines.engine.step import Step
-    from pipelines.steps import stress
 
     return Step(
         name=f"root stress of stage {stage}",
         kind="root-stress",
-        build=stress.build_root,
-        spec=LawSpec(pair=machine.flanks[stage - 1].pair, mesh=stress_model(machine.laws[stage - 1])),
+        build=root_stress,
+        spec={"pair": machine.flanks[stage - 1].pair, "model": stress_model(machine.laws[stage - 1])},
         libraries=("numpy", "scipy"),
         seconds=9.0,
     )
@@ -171,7 +171,7 @@ def _stress_steps(machine: MachineModel, stage: int, index: int, force: float) -
             name=f"compliance of stage {stage}",
             kind="compliance",
             build=stress.build_compliance,
-            spec=LawSpec(pair=pair, mesh=model),
+            spec={"pair": pair, "model": model},
             libraries=("numpy", "scipy"),
             seconds=6.0,
         )
