@@ -71,7 +71,7 @@ def corner_volumes(teeth):
 
 
 def test_both_gears_touch_along_the_contact_lines(solved):
-    """Nodes lie within an element of loaded contact points and are hottest there, roots apart; cells are not inverted."""
+    """Nodes are within an element of loaded contacts, and hottest there but for the roots; no cell is inverted."""
     pair, healthy, _ = solved
     teeth = teeth_in_mesh(pair, healthy)
     assert corner_volumes(teeth).min() > 0.0
