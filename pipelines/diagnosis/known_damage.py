@@ -148,7 +148,7 @@ def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
     known = ("load", "deviations", "window", "damaged", "answer")
     head = (*known, "increase dB", verdict_words.STRENGTH, "channel", "rank", "tooth")
     return Grid(
-        title="The diagnosis beside the damage of the scene, which it does not use", headers=head, rows=tuple(rows)
+        title="The diagnosis next to the damage of the scene, which it does not use", headers=head, rows=tuple(rows)
     )
 
 

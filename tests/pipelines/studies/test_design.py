@@ -175,6 +175,7 @@ def test_the_toml_of_the_page_makes_the_recommended_design(tmp_path):
     assert text.count("<svg") == 2
 
 
+@pytest.mark.slow
 def test_the_root_stress_of_a_design_is_that_of_its_map():
     study = found(vary=("both.lead_crowning_um=0:10:10",), minimize=("root-stress", "te"), torques=(60.0,))
     rows = {row["design"]: row for row in study.rows()}
