@@ -70,15 +70,23 @@ def modified_table(found: Found) -> str:
             mean = [1e6 * sum(q[0]) / len(q[0]) for q in by]
             peak = [1e6 * (max(q[0]) - min(q[0])) for q in by]
             largest = [100 * (max(by[1][k]) / max(by[0][k]) - 1) for k in (2, 3)]
+            coarse = case["0, 1"]["loads"][load // 200]
+            change = [
+                100 * abs(exact[0][k] / coarse[q] - 1)
+                for k, q in ((0, "delta_m"), (2, "root_stress_pinion_Pa"), (3, "root_stress_wheel_Pa"))
+            ]
             rows.append(
-                [name, str(load), f"{mean[0]:.2f}", f"{100 * (mean[1] / mean[0] - 1):+.1f} %", f"{peak[0]:.2f}"]
-                + [f"{peak[1]:.2f}", *(f"{value:+.1f} %" for value in largest)]
+                [name, str(load), f"{mean[0]:.2f}", f"{100 * (mean[1] / mean[0] - 1):+.1f} ± {change[0]:.1f} %"]
+                + [f"{peak[0]:.2f}", f"{peak[1]:.2f}"]
+                + [f"{value:+.1f} ± {error:.1f} %" for value, error in zip(largest, change[1:], strict=True)]
             )
     headers = ("pair, m_n 2 mm", "N/mm", "mean δ, µm", "`solid`", "peak to peak, µm", "`solid`, µm")
     lead = (
         "Transmission error over six positions of a mesh cycle, and the largest root stress, by the 20-node elements "
         "of the CalculiX model with another contact solution (`benchmarks/peers/flank_contact.py`, "
-        f"penalty 1e+08 N/mm³). {found['meshes']} Percentages are deviations of `solid`. "
+        f"penalty 1e+08 N/mm³). {found['meshes']} Percentages are deviations of `solid`, and after ± the change of the "
+        "finite elements by this extrapolation. With 16 instead of 8 elements along the face, their root stress at "
+        "c = 0 is 0.9 to 2.6 % lower (25/62). "
         "The Hertz pressure by the line load, as the mean over an element along the face, deviates by -6 to +7 % at "
         "positions 1 to 4, without tip edges, on the coarser mesh (20 states)."
     )

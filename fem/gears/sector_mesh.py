@@ -45,6 +45,7 @@ class SectorMesh:
     cut_low: np.ndarray  # nodes of the cut at -pi/z, root to bore, without the bore node
     cut_high: np.ndarray  # same radii at +pi/z
     cut_bore: np.ndarray  # the two bore nodes of the cuts
+    fillet: np.ndarray  # nodes of the loaded side from one element below mid fillet to the form circle, likewise
     flank: np.ndarray  # nodes of the loaded side from mid fillet to tip corner, two intervals per element
     flank_arc: np.ndarray  # (flank,) arc length along the involute from its base circle, negative below
     flank_normal: np.ndarray  # (flank, 2) unit, out of the tooth
@@ -120,10 +121,13 @@ def root_chord(gear: Gear) -> tuple[float, float]:
     return radius, 2.0 * radius * math.sin(float(np.interp(middle, arc, angles)))
 
 
-def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -> SectorMesh:
+def sector_mesh(
+    gear: Gear, refinement: float = 1.0, slit: Slit | None = None, layers: tuple[float, float] = (0.18, 1.25)
+) -> SectorMesh:
     """Mesh one pitch of `gear`, with a slit in the root of the loaded flank if one is given.
 
-    Element sizes are divided by `refinement`; 1: 0.05 m_n along the flank, half of that at the tip corner.
+    Element sizes are divided by `refinement`; 1: 0.05 m_n along the flank, half of that at the tip corner. `layers` are
+    the size of the first layer of the body, in m_n, and the growth of the next ones.
     """
     size = gear.normal_module / refinement
     fillet = _Fillet.of(gear)
@@ -164,7 +168,7 @@ def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -
     even_t = np.linspace(-1.0, 1.0, len(top_t)) * math.pi / gear.teeth
     inner = max(gear.rim_inner_radius, r_bore)
     depth = flank_radius[0] - inner
-    layer = with_middles(_growing(0.18 * size, 1.25, depth / 6 / refinement, depth) / depth)[:, None]
+    layer = with_middles(_growing(layers[0] * size, layers[1], depth / 6 / refinement, depth) / depth)[:, None]
     body_r = top_r + layer * (inner - top_r)
     body_t = top_t + layer * (even_t - top_t)
     rim_rows = (len(layer) - 1) // 2
@@ -198,6 +202,7 @@ def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -
         cut_low=body[:-1, 0].copy(),
         cut_high=body[:-1, -1].copy(),
         cut_bore=body[-1, [0, -1]].copy(),
+        fillet=np.append(tooth[0, -1] + [2, 1], tooth[: len(lower), -1]),
         flank=tooth[:, -1].copy(),
         flank_arc=flank_arc,
         flank_normal=flank_normal,

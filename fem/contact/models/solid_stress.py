@@ -33,6 +33,7 @@ from fem.numerics.quadratic_grids import with_middles
 
 SMOOTHED = 0.3  # m_n from a contact line, where the stress contains the smoothed contact pressure
 SMALLEST = 1e-5  # of the largest singular value: distributions of forces with less effect on the fillets are left out
+ROOT_LAYERS = (0.08, 1.5)  # of the body, see `sector_mesh`: as thin as the rows of the fillet above them
 _GAUSS = 1 / np.sqrt(3.0)
 
 
@@ -80,7 +81,7 @@ class RootStress:
     weight: np.ndarray  # (position, row), nodal forces of unit sum
     distance: np.ndarray  # (position, place), m_n, of the contact from the places on the fillet
     shapes: np.ndarray  # (shape, row and axial node), orthonormal distributions of nodal forces
-    stress: np.ndarray  # (shape, pair apart, place, axial node, 6), 1/m2, by them
+    stress: np.ndarray  # (shape, pair apart, place, axial node, 3), 1/m2, by them, of `_LoadedSector.surface_stress`
 
     @property
     def face(self) -> np.ndarray:
@@ -113,7 +114,7 @@ class RootStress:
             total[:, seen] += single[:, by, apart + reach]
         near = (loads[..., None] > 0.0) & (distance < SMOOTHED)
         smoothed = np.einsum("cpsk,sa->cpka", near, means != 0.0)
-        return np.where(smoothed, 0.0, _von_mises(total)).max(axis=2)
+        return np.where(smoothed, 0.0, _surface_von_mises(total)).max(axis=2)
 
 
 def stress_field(
@@ -162,14 +163,12 @@ def root_stress(pair: GearPair, model: Solid) -> tuple[RootStress, RootStress]:
         (pair.wheel, pair.wheel_material, path.wheel_radius, -1),
     ):
         sector = _LoadedSector.of(pair, model, gear, material, turn, radius)
-        mesh, side = sector.mesh, sector.mesh.flank[sector.mesh.flank_arc < sector.mesh.form_arc]
+        mesh, side = sector.mesh, sector.mesh.fillet[2:-1]
         contact = np.stack([np.interp(sector.arc, mesh.flank_arc, one) for one in mesh.points[mesh.flank].T], axis=1)
-        touched = np.asarray(np.isin(mesh.elements, side).any(axis=1))
         found = {}
         for tooth, cuts in ring_motion(sector.reduction, reach).items():
             seen = sector.reduction.transfer.T @ cuts + (sector.reduction.direct if tooth == 0 else 0.0)
-            stress = sector.stress(sector.motion(seen, cuts), touched)[:, :, side]
-            found[-turn * tooth] = stress.transpose(0, 2, 1, 3)
+            found[-turn * tooth] = sector.surface_stress(sector.motion(seen, cuts)).swapaxes(1, 2)
         by_node = np.stack([found[apart] for apart in range(-reach, reach + 1)], axis=1)
         shapes, size, stress = np.linalg.svd(by_node.reshape(len(by_node), -1), full_matrices=False)
         kept = size > SMALLEST * size[0]
@@ -206,7 +205,7 @@ class _LoadedSector:
         pair: GearPair, model: Solid, gear: Gear, material: Material, turn: int, radius: np.ndarray, flank: int = 1
     ) -> _LoadedSector:
         """Condense the sector; `radius` (contact,) m, `turn` 1 of the pinion and -1 of the wheel."""
-        mesh = sector_mesh(gear, SECTION * model.refinement)
+        mesh = sector_mesh(gear, SECTION * model.refinement, layers=ROOT_LAYERS)
         arc = (radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius)
         patches = FlankCompliance(arc=mesh.flank_arc, tip_arc=mesh.tip_arc, matrix={}).patches
         weight, _ = patches(arc, PATCH / model.refinement * gear.normal_module)
@@ -247,24 +246,61 @@ class _LoadedSector:
         local = motion[: prism.size].reshape(layers, len(mesh.points), 3, -1)
         return np.einsum("nij,znjt->tzni", node_frames(mesh), local, optimize=True)
 
-    def stress(self, local: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-        """Stress (column, axial node, section node, 6) of displacements, mean over the elements `chosen` at a node.
+    def surface_stress(self, local: np.ndarray) -> np.ndarray:
+        """Stress (column, axial node, place, 3) of the fillet surface: along the section, across it, and shear.
 
-        Stresses are taken at the two Gauss points of each direction, where they are most accurate (Barlow, 1976, Int.
-        J. Num. Meth. Eng. 10, 243-251), extrapolated linearly to the nodes and averaged there.
+        A surface without traction is in plane stress, so that its displacement alone gives the stress. An extrapolation
+        of stresses along its normal, in which they fall within a fraction of the fillet radius, is thus not needed.
+        Gradients are taken at the two Gauss points of each edge, where they are most accurate (Barlow, 1976, Int. J.
+        Num. Meth. Eng. 10, 243-251), extrapolated linearly along the surface to the nodes and averaged there.
 
         Parameters
         ----------
         local : (column, axial node, section node, 3) m, of `motion`
-        chosen : bool (section element,)
         """
-        mesh, filled, elements = self.mesh, self.prism.filled[chosen], self.mesh.elements[chosen]
+        mesh = self.mesh
+        values, slopes, to_nodes = _line(len(mesh.fillet) // 2)
+        place, tangent = values @ mesh.points[mesh.fillet], slopes @ mesh.points[mesh.fillet]
+        length = np.linalg.norm(tangent, axis=1)[:, None]
+        first = np.pad(tangent / length, ((0, 0), (0, 1)))
+        helix = np.column_stack([mesh.twist * place @ [[0, 1], [-1, 0]], np.ones(len(place))])
+        along = (helix * first).sum(axis=1)[:, None]
+        size = np.linalg.norm(helix - along * first, axis=1)[:, None]
+        second = (helix - along * first) / size
+
+        def terms(functions: np.ndarray, vector: np.ndarray) -> np.ndarray:
+            return functions[:, :, None] * vector[:, None]
+
+        d_first, axial = slopes / length, values / size
+        d_second, turn = -along / size * d_first, mesh.twist * np.array([[0, -1, 0], [1, 0, 0], [0, 0, 0]])
+        shear = terms(d_first, second) + terms(d_second, first) + terms(axial, first @ turn)
+        strain = [  # both strains and the shear, of axial functions and of their derivatives
+            [terms(d_first, first), terms(d_second, second) + terms(axial, second @ turn), shear],
+            [np.zeros(shear.shape), terms(axial, second), terms(axial, first)],
+        ]
+        nu = self.material.poisson_ratio
+        hooke = np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]]) * self.material.elastic_modulus / (1 - nu**2)
+        section = np.einsum("nq,rs,asqid->anrid", to_nodes[2:-1], hooke, strain, optimize=True)
+        values, slopes, to_nodes = _line(len(self.ends) - 1)
+        face = to_nodes @ np.array([values, slopes / np.repeat(np.diff(self.ends), 2)[:, None]])
+        return np.asarray(np.einsum("azy,anrid,tyid->tznr", face, section, local[:, :, mesh.fillet], optimize=True))
+
+    def stress(self, local: np.ndarray) -> np.ndarray:
+        """Stress (column, axial node, section node, 6) of displacements, mean over the elements at a node.
+
+        Stresses are taken at the two Gauss points of each direction, extrapolated linearly to the nodes and averaged
+        there. `surface_stress` is more accurate at the fillet.
+
+        Parameters
+        ----------
+        local : (column, axial node, section node, 3) m, of `motion`
+        """
+        mesh, filled, elements = self.mesh, self.prism.filled, self.mesh.elements
         places, gradients, _ = geometry(mesh.points, elements, 2)
         values, _ = shape_functions(gauss_grid(2)[0])
         across, along = strain_matrices(places, gradients, values, mesh.twist)
         hooke = elasticity(self.material.elastic_modulus, self.material.poisson_ratio, 6)
-        functions, slopes = lagrange(gauss_line(2)[0])
-        end = np.array([[1 - s / _GAUSS, 1 + s / _GAUSS] for s in (-1.0, 0.0, 1.0)]) / 2  # Gauss points -> nodes
+        functions, slopes, end = _line(1)
         to_nodes = np.einsum("ag,bh->abgh", end, end).reshape(9, 4)
         stress = np.zeros((*local.shape[:3], 6))
         hits = np.zeros(local.shape[1:3])
@@ -278,6 +314,19 @@ class _LoadedSector:
                 np.add.at(stress[:, 2 * k + layer].swapaxes(0, 1), own, nodal[layer, filled[:, k]])
                 np.add.at(hits[2 * k + layer], own, 1.0)
         return stress / np.maximum(hits, 1.0)[..., None]
+
+
+def _line(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Quadratic functions of `count` elements at their two Gauss points (point, node), their slopes, and nodal means.
+
+    The last (node, point) extrapolate linearly from the Gauss points of an element; slopes are those of a unit element.
+    """
+    one = [*lagrange(gauss_line(2)[0]), np.array([[1 - s / _GAUSS, 1 + s / _GAUSS] for s in (-1.0, 0.0, 1.0)]).T / 2]
+    values, slopes, ends = np.zeros((3, 2 * count, 2 * count + 1))
+    for k in range(count):
+        for whole, part in zip((values, slopes, ends), one, strict=True):
+            whole[2 * k : 2 * k + 2, 2 * k : 2 * k + 3] += part
+    return values, slopes, ends.T / ends.sum(axis=0)[:, None]
 
 
 def _gear_field(sector: _LoadedSector, nodal: np.ndarray, teeth: np.ndarray, numbers: np.ndarray) -> StressField:
@@ -299,14 +348,15 @@ def _gear_field(sector: _LoadedSector, nodal: np.ndarray, teeth: np.ndarray, num
         ],
         axis=-1,
     )
-    stress = sector.stress(local, np.ones(len(mesh.elements), dtype=bool))
+    von_mises = _von_mises(sector.stress(local))
+    von_mises[:, :, mesh.fillet[2:-1]] = _surface_von_mises(sector.surface_stress(local))
     return StressField(
         pair=numbers,
         points=np.einsum("tzij,znj->tzni", turn, flat).reshape(len(teeth), -1, 3),
         cells=_cells(mesh, sector.prism.filled),
         displacement=np.einsum("tzij,tznj->tzni", turn, local).reshape(len(teeth), -1, 3),
-        von_mises=_von_mises(stress).reshape(len(teeth), -1),
-        root=np.add.outer(len(mesh.points) * np.arange(len(z)), mesh.flank[mesh.flank_arc < mesh.form_arc]).ravel(),
+        von_mises=von_mises.reshape(len(teeth), -1),
+        root=np.add.outer(len(mesh.points) * np.arange(len(z)), mesh.fillet[2:-1]).ravel(),
     )
 
 
@@ -332,3 +382,9 @@ def _von_mises(stress: np.ndarray) -> np.ndarray:
     """Von Mises stress (...) of stresses (..., 6)."""
     xx, yy, zz, yz, xz, xy = np.moveaxis(stress, -1, 0)
     return np.asarray(np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * (yz**2 + xz**2 + xy**2)))
+
+
+def _surface_von_mises(stress: np.ndarray) -> np.ndarray:
+    """Von Mises stress (...) of plane stresses (..., 3)."""
+    one, two, shear = np.moveaxis(stress, -1, 0)
+    return np.asarray(np.sqrt(one**2 - one * two + two**2 + 3 * shear**2))

@@ -73,7 +73,7 @@ def corner_volumes(teeth):
 
 
 def test_both_gears_touch_along_the_contact_lines(solved):
-    """The nearest nodes of either gear to a loaded contact point lie within an element; cells are right side out."""
+    """Nodes are within an element of loaded contacts, and hottest there but for the roots; no cell is inverted."""
     pair, healthy, _ = solved
     teeth = teeth_in_mesh(pair, healthy)
     assert corner_volumes(teeth).min() > 0.0
@@ -83,7 +83,8 @@ def test_both_gears_touch_along_the_contact_lines(solved):
         nodes = teeth.points[np.unique(teeth.cells[teeth.gear == number])]
         away = np.linalg.norm(nodes[:, None] - places, axis=2).min(axis=0)
         assert away.max() < element
-    hot = teeth.points[np.argsort(teeth.von_mises)[-5:]]
+    above = np.setdiff1d(np.arange(len(teeth.points)), teeth.root)
+    hot = teeth.points[above[np.argsort(teeth.von_mises[above])[-5:]]]
     assert np.linalg.norm(hot[:, None] - places, axis=2).min(axis=1).max() < pair.pinion.normal_module
 
 
