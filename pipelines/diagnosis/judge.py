@@ -148,7 +148,7 @@ def _findings(
             evidence=evidence,
             damaged=None if bound is None else strength[0] or evidence.deviation >= bound,
             repeating=bool(repeating[own[0]]),
-            alike=alike(component, kinematics),
+            alike=alike(component, kinematics, table.left_out),
             tooth=table.tooth_of(component) if evidence.increase > 0.0 else None,
         )
         if component not in best or strength > best[component][0]:

@@ -359,8 +359,6 @@ def file_words(found: JudgedFile) -> str:
         return "\n\n".join([answer, *parts, tables.rstrip(), *levels])
     parts = [impact_words(found.recorded.table), *parts]
     parts += [features_grid(found.recorded.table).to_text(), *levels]
-    if found.recorded.table.left_out:
-        parts.append(f"Left out: {'; '.join(found.recorded.table.left_out)}.")
     return "\n\n".join(parts) + "\n"
 
 
@@ -400,6 +398,19 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile], refused: Itera
         rows.append({"": str(len(rows) + 1), "recording": name, **dict(named), **moment, **known})
     rows += [dict.fromkeys(rows[0], "-") | {"recording": name, "answer": "refused"} for name in refused]
     return grid(f"{len(rows)} recordings", rows)
+
+
+def notes_of(found: Sequence[JudgedFile]) -> list[str]:
+    """Warnings and components that are not examined, each once with the numbers of its recordings, from 1."""
+    from pipelines.signals.features.feature_table import left_out_words
+
+    notes: dict[str, list[str]] = {}
+    for number, one in enumerate(found, 1):
+        left = one.recorded.table.left_out if one.verdict is None else one.verdict.left_out
+        warnings = [f"Warning: {warning}" for warning in one.recorded.warnings]
+        for note in filter(None, (*warnings, left_out_words(left))):
+            notes.setdefault(note, []).append(str(number))
+    return [note if len(own) == len(found) else f"{note} (recordings {', '.join(own)})" for note, own in notes.items()]
 
 
 def order_of(found: Sequence[JudgedFile]) -> tuple[list[int], str, bool]:

@@ -20,6 +20,7 @@ sidebands at the speed of the cage).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -37,6 +38,7 @@ SCATTER = 0.001  # of a line, to either side, for slip that is not constant
 LEAD = 20.0  # dB, upper limit of the strongest line over the second strongest, since a single line is no comb
 FLOOR = 0.1  # of a pass order, to either side: range of the floor
 FEWEST_LINES = 8  # of the spectrum in the floor, or between multiples of a shaft speed
+BEYOND, SHORT = "beyond", "short"  # obstacles: the end of the spectrum, too few lines in the floor
 _LOBE = 2.0  # half width in lines of an order with a Hann window
 
 
@@ -50,7 +52,7 @@ def pass_levels(
     """Level (channel,) of each pass order: lines of its best comb over their floors, geometric mean over harmonics.
 
     The result has the level of each name as PASSING, and with its sidebands as SIDEBANDS. The floor is the median of
-    the spectrum around a line. Orders that are too low for the number of turns, or beyond the spectrum, are omitted.
+    the spectrum around a line. Orders that are not `resolved` are omitted, those with sidebands only as PASSING.
 
     Parameters
     ----------
@@ -69,10 +71,42 @@ def pass_levels(
     per_order = turns * factor
     for step in (per_order * ratio for ratio in shafts if per_order * ratio >= FEWEST_LINES):
         free &= np.abs(place - step * np.round(place / step)) > _LOBE + min(error, SCATTER) * place
-    found = {(name, PASSING): _level(lines, free, order * per_order) for name, order in orders.items()}
+    found = {
+        (name, PASSING): _level(lines, free, order * per_order)
+        for name, order in orders.items()
+        if resolved(order, per_order, (lines.shape[1] - 1) / per_order, shafts, error)
+    }
     for name, distance in (sidebands or {}).items():
         found[name, SIDEBANDS] = _level(lines, free, orders[name] * per_order, distance * per_order)
     return {name: level for name, level in found.items() if level is not None}
+
+
+def resolved(order: float, turns: float, highest: float, shafts: Sequence[float], error: float = 0.0) -> bool:
+    """Whether enough multiples of a pass order without slip have no `obstacle`; the arguments are the same."""
+    obstacles = [obstacle(n * order, turns, highest, shafts, error) for n in range(1, PASS_HARMONICS + 1)]
+    return obstacles.count(None) >= FEWEST * PASS_HARMONICS
+
+
+def obstacle(order: float, turns: float, highest: float, shafts: Sequence[float], error: float) -> str | int | None:
+    """Why a spectrum does not show the line of an order: BEYOND, SHORT, or the number (from 0) of a shaft.
+
+    A multiple of the speed of this shaft is too close. None if there is no reason.
+
+    Parameters
+    ----------
+    order : of the line
+    turns : in the window
+    highest : order in the spectrum
+    shafts : turns of all shafts per turn of this one
+    error : standard uncertainty of the speed, relative
+    """
+    if (1.0 + FLOOR) * order > highest:
+        return BEYOND
+    if FLOOR * order * turns < FEWEST_LINES / 2:
+        return SHORT
+    near = _LOBE / turns + min(error, SCATTER) * order
+    steps = [step if step * turns >= FEWEST_LINES else math.inf for step in shafts]
+    return next((n for n, step in enumerate(steps) if abs(math.remainder(order, step)) <= near), None)
 
 
 def _level(lines: np.ndarray, free: np.ndarray, centre: float, distance: float = 0.0) -> np.ndarray | None:
