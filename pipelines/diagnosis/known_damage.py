@@ -74,7 +74,15 @@ def any_found(cases: Sequence[Case], damages: Sequence[Damage]) -> bool | None:
         return any(case.verdict.damaged for case in cases) or (
             None if any(case.verdict.not_examined for case in cases) else False
         )
-    return any(found(case, damage, damages) is not None for case in cases for damage in damages)
+    pairs = [(case, damage) for case in cases for damage in damages]
+    if any(found(case, damage, damages) is not None for case, damage in pairs):
+        return True
+    return None if any(_without_findings(case, damage) for case, damage in pairs) else False
+
+
+def _without_findings(case: Case, damage: Damage) -> bool:
+    """Whether a damaged component is not examined."""
+    return all(one.component != damage.component for one in case.verdict.findings)
 
 
 def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
@@ -86,9 +94,10 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
     answers, evidence = [], []
     for damage in damages:
         findings = [(case, one) for case in cases if (one := found(case, damage, damages)) is not None]
-        answer = f"found in {len(findings)} of {len(cases)} cases"
+        unseen = [case for case in cases if _without_findings(case, damage)]
+        answer = f"found in {len(findings)} of {len(cases)} cases{f', not examined in {len(unseen)}' if unseen else ''}"
         if len(cases) == 1:
-            answer = "found" if findings else "not found"
+            answer = "found" if findings else "not examined" if unseen else "not found"
         answers.append(f"{damage.words[0].upper()}{damage.words[1:]}: {answer}.")
         if findings:
             case, one = min(findings, key=lambda pair: pair[1].evidence.ratio)
@@ -96,6 +105,15 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
             evidence.append(f"{weakest} ({case.name}): {verdict_words.standing(one.evidence)}.")
             evidence += [f"{other} has the same evidence." for other in _tied(case.verdict, one)]
             evidence += _tooth_words(damage, [one.tooth for _, one in findings])
+        elif unseen:
+            own = [one for one in unseen[0].verdict.left_out if damage.component in one.partition(": ")[0]]
+            evidence += [f"{one} ({unseen[0].name})." for one in own]
+            evidence.append(f"Strongest evidence of the other components: {_nearest(cases, damage)}.")
+            first = unseen[0].verdict.first
+            if damage.component in first.alike:
+                evidence.append(
+                    f"{damage.component} has the same orders as the {first.component} and can be the cause."
+                )
         elif any(case.verdict.damaged for case in cases):
             evidence.append(f"Another component has the strongest evidence: {_nearest(cases, damage)}.")
         else:
@@ -136,7 +154,7 @@ def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
         for damage in damages:
             start = (LOADS.get(case.load, case.load), case.deviations, case.window, damage.component)
             if damage.component not in order:
-                rows.append((*start, "no features", *[""] * 5))
+                rows.append((*start, "not examined", *[""] * 5))
                 continue
             place = order.index(damage.component)
             one = case.verdict.findings[place]

@@ -19,10 +19,12 @@ from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import Drivetrain
 from pipelines.machine.scene_bearings import bearing_names, bearing_table
 from pipelines.machine.scene_casing import dimensions
+from pipelines.machine.scene_kinematics import STRIKES, kinematics_of
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.tables.housing import HousingBase
 from pipelines.scene.validation_messages import other_unit
+from pipelines.signals.features.unresolved_passes import unresolved_passes
 
 LOAD_ZONE = math.pi / 2  # from the direction of a radial load, without clearance or preload
 _LEAST = {  # by key: smallest usual value, factor from another unit, and both units
@@ -235,6 +237,14 @@ def _diagnosis(scene: Scene, machine: Drivetrain) -> Iterator[str]:
             "and "
             "diagnosis.gear to the faulty gear"
         )
+    spalls = {f"{one.bearing} {STRIKES[one.spall.on]}": one.name for one in machine.spalls}
+    kinematics = kinematics_of(machine.layout, machine.rolling)
+    if spalls and scene.diagnosis.windows_s and kinematics.frequency:
+        longest = max(end - start for start, end in scene.diagnosis.windows_s.values())
+        rate = scene.simulation.output_rate_Hz
+        for part, reason in unresolved_passes(kinematics, kinematics.frequency, longest, rate).items():
+            if part in spalls:
+                yield f"diagnosis.windows_s: the {spalls[part]} is not examined: {reason}"
     faulty = bool(scene.faults or shaft_faults(scene))
     if faulty and scene.control is None:
         for problem in bad_windows(scene, machine):
