@@ -244,7 +244,7 @@ def _diagnosis(scene: Scene, machine: Drivetrain) -> Iterator[str]:
         rate = scene.simulation.output_rate_Hz
         for part, reason in unresolved_passes(kinematics, kinematics.frequency, longest, rate).items():
             if part in spalls:
-                yield f"diagnosis.windows_s: the {spalls[part]} is not examined: {reason}"
+                yield f"diagnosis.windows_s: the pass order of the {spalls[part]} is not examined: {reason}"
     faulty = bool(scene.faults or shaft_faults(scene))
     if faulty and scene.control is None:
         for problem in bad_windows(scene, machine):

@@ -357,3 +357,19 @@ def test_the_cepstrum_of_an_echo_is_half_its_factor_at_its_delay():
     place = round(delay * 2.0 * found.orders[-1])
     assert cepstrum[place] == pytest.approx(factor / 2, abs=1e-3)  # ln|1 + a exp(-jwT)| = a cos wT - a^2/2 cos 2wT ...
     assert cepstrum[2 * place] == pytest.approx(-(factor**2) / 4, abs=1e-3)
+
+
+def test_names_of_many_lines_leave_two_thirds_of_a_logarithmic_axis_to_the_curves():
+    """24 bearings have 96 pass orders. Those without a free row are named below the figure."""
+    bearings = tuple(
+        Bearing(name=f"bearing_{n}", shaft="shaft_1", orders={"BPFO": 3.0 + 0.01 * n, "BPFI": 5.0 + 0.01 * n})
+        for n in range(24)
+    )
+    train = replace(KINEMATICS, bearings=bearings)
+    found = curves([compared_recording("r", recording({20: 1.0}, noise=0.01), train)], ("a", "z"), "shaft_1")
+    figure = envelopes_figure(found, ["A"], train)
+    low, high = np.log(figure.axes[0].get_ylim())
+    shown = np.log(found.envelope[:, (found.orders > 0.0) & (found.orders <= 10.0)].max())
+    assert (high - shown) / (high - low) < 1 / 3 + np.log(2.0) / (high - low)
+    named = figure.get_supxlabel() + "".join(text.get_text() for text in figure.axes[0].texts)
+    assert all(one.name in named.replace("\n", " ") for one in bearings)

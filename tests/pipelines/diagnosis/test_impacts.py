@@ -191,3 +191,22 @@ def test_a_cage_is_not_judged_without_healthy_recordings(tmp_path):
     random = np.random.default_rng(3)
     found = judged(tmp_path, unbalanced(random) + 2.0 * impacts(0.398, 0.0, random))
     assert all("FTF" not in one.component for one in found.impacts)
+
+
+def test_a_cage_that_turns_too_seldom_is_named_in_text_facts_and_pages(tmp_path, capsys):
+    judged(tmp_path, unbalanced(np.random.default_rng(1)))
+    (tmp_path / "record.npy").rename(tmp_path / "monday.npy")
+    judged(tmp_path, unbalanced(np.random.default_rng(2)))
+    files = [str(tmp_path / name) for name in ("record.npy", "monday.npy")]
+    asked = ["--machine", str(tmp_path / "machine.toml"), "--window", "0", "1"]
+    reason = "DE FTF: its pass frequency (11.54 Hz) has too few periods in a window of 1 s; "
+    assert main(["diagnose", files[0], *asked]) == 0
+    printed = capsys.readouterr().out
+    assert printed.startswith("No damage of an examined part of a bearing is clear.")
+    assert f"Not examined: {reason}" in printed
+    assert main(["diagnose", files[0], *asked, "--json"]) == 0
+    assert reason in capsys.readouterr().out
+    assert main(["diagnose", *files, *asked, "--out", str(tmp_path / "seen")]) == 0
+    assert f"Not examined: {reason}" in capsys.readouterr().out
+    for page in ("report.html", "1/report.html"):
+        assert f"Not examined: {reason}" in (tmp_path / "seen" / page).read_text(encoding="utf-8")
