@@ -40,6 +40,7 @@ FLOOR = 0.1  # of a pass order, to either side: range of the floor
 FEWEST_LINES = 8  # of the spectrum in the floor, or between multiples of a shaft speed
 BEYOND, SHORT = "beyond", "short"  # obstacles: the end of the spectrum, too few lines in the floor
 _LOBE = 2.0  # half width in lines of an order with a Hann window
+_SEEN = 1.0  # lines from the middle of an order, where it is 6 dB lower: near enough to a line that is not omitted
 
 
 def pass_levels(
@@ -104,7 +105,7 @@ def obstacle(order: float, turns: float, highest: float, shafts: Sequence[float]
         return BEYOND
     if FLOOR * order * turns < FEWEST_LINES / 2:
         return SHORT
-    near = _LOBE / turns + min(error, SCATTER) * order
+    near = (_LOBE - _SEEN) / turns + min(error, SCATTER) * order
     steps = [step if step * turns >= FEWEST_LINES else math.inf for step in shafts]
     return next((n for n, step in enumerate(steps) if abs(math.remainder(order, step)) <= near), None)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import takewhile
-
 from pipelines.signals.features.passing import BEYOND, PASS_HARMONICS, SHORT, obstacle, resolved
 from pipelines.signals.orders.kinematics import Kinematics
 
@@ -32,10 +30,12 @@ def unresolved_passes(
         for part, order in bearing.strikes.items():
             known = turn * order, rate / 2, shafts, error
             if not resolved(known[0], whole, *known[1:]):
-                longer = [whole * _LONGER**n for n in range(_LONGEST, -1, -1)]
-                enough = list(takewhile(lambda length, known=known: resolved(known[0], length, *known[1:]), longer))
-                needed = enough[-1] + 1.0 / turn if enough else None
-                found[part] = _reason(kinematics, seconds, longer[len(enough)], needed, *known)
+                needed = None
+                for length in (whole * _LONGER**n for n in range(_LONGEST, -1, -1)):
+                    if not resolved(known[0], length, *known[1:]):
+                        break
+                    needed = length + 1.0 / turn
+                found[part] = _reason(kinematics, seconds, length, needed, *known)
     return found
 
 
