@@ -116,7 +116,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     figures = {}
     if np.ptp(found.speed) <= STEADY * found.speed.max():
         words += f"\nThe speed is constant within {100 * STEADY:g} %: there are no pictures over the speed. "
-        words += "`gearcase diagnose` with --out draws order spectra at constant speed."
+        words += "`gearcase diagnose` with --out plots order spectra at constant speed."
     else:
         top = 2.2 * max(inside, default=found.line[-1] / 2.2)
         figures["orders"] = waterfall_figure(found, title, read.units, top=top)

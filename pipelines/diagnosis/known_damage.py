@@ -74,10 +74,9 @@ def any_found(cases: Sequence[Case], damages: Sequence[Damage]) -> bool | None:
         return any(case.verdict.damaged for case in cases) or (
             None if any(case.verdict.not_examined for case in cases) else False
         )
-    pairs = [(case, damage) for case in cases for damage in damages]
-    if any(found(case, damage, damages) is not None for case, damage in pairs):
-        return True
-    return None if any(_without_findings(case, damage) for case, damage in pairs) else False
+    return any(found(case, damage, damages) is not None for case in cases for damage in damages) or (
+        None if any(_without_findings(case, damage) for case in cases for damage in damages) else False
+    )
 
 
 def _without_findings(case: Case, damage: Damage) -> bool:
@@ -106,14 +105,11 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
             evidence += [f"{other} has the same evidence." for other in _tied(case.verdict, one)]
             evidence += _tooth_words(damage, [one.tooth for _, one in findings])
         elif unseen:
-            own = [one for one in unseen[0].verdict.left_out if damage.component in one.partition(": ")[0]]
-            evidence += [f"{one} ({unseen[0].name})." for one in own]
+            verdict = unseen[0].verdict
+            evidence += [f"{one} ({unseen[0].name})." for one in verdict.left_out if damage.component in one]
             evidence.append(f"Strongest evidence of the other components: {_nearest(cases, damage)}.")
-            first = unseen[0].verdict.first
-            if damage.component in first.alike:
-                evidence.append(
-                    f"{damage.component} has the same orders as the {first.component} and can be the cause."
-                )
+            shared = f"{damage.component} has the same orders as the {verdict.first.component} and can be the cause."
+            evidence += [shared] if damage.component in verdict.first.alike else []
         elif any(case.verdict.damaged for case in cases):
             evidence.append(f"Another component has the strongest evidence: {_nearest(cases, damage)}.")
         else:

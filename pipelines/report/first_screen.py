@@ -23,7 +23,7 @@ from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
 from pipelines.signals.features.recording_features import envelope_band
 from pipelines.signals.features.shaft_turns import cut_turns
 from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, average
-from pipelines.signals.orders.kinematics import PARTS, Bearing, Gear, Kinematics
+from pipelines.signals.orders.kinematics import Gear, Kinematics
 from pipelines.signals.orders.rotation import Rotation
 from pipelines.signals.pass_lines import HARMONICS, PassLines
 
@@ -57,10 +57,10 @@ def first_screen(
     verdict = cases[0].verdict if cases else None
     evidence = []
     kinematics = kinematics_of(machine.layout, machine.rolling)
-    part = shown_part(verdict, damages, kinematics)
-    lines = None if settings is None or part is None else _pass_lines(settings, kinematics, *part)
-    if settings is not None and lines is not None:
-        evidence.append(_pass_envelope(settings, runs, verdict, kinematics, lines))
+    lines = None if settings is None else pass_lines(settings, kinematics, verdict)
+    if settings is not None and verdict is not None and lines is not None:
+        at = verdict.first.evidence
+        evidence.append(_pass_envelope(replace(settings, sensor=at.sensor, axis=at.axis), runs, kinematics, lines))
     elif settings is not None:
         evidence = _average(machine, settings, runs, verdict)
         evidence.append(_gear_envelope(settings, diagnoses[0].band if diagnoses else None, runs))
@@ -279,47 +279,33 @@ def over_teeth(
     return place[order], residual[:, order], turns.count
 
 
-def shown_part(
-    verdict: Verdict | None, damages: Sequence[Damage], kinematics: Kinematics
-) -> tuple[Bearing, str] | None:
-    """The bearing part that ranks first if it is found damaged, else the first damage of the scene; None for gears."""
-    damaged = [verdict.first.component] if verdict is not None and verdict.damaged else [d.component for d in damages]
-    return next(((one, name) for name in damaged[:1] for one in kinematics.bearings if name in one.strikes), None)
+def pass_lines(settings: DiagnosisSettings, kinematics: Kinematics, verdict: Verdict | None) -> PassLines | None:
+    """Lines of the bearing part that ranks first, with sidebands of the shaft or cage; None if it is not damaged."""
+    part = verdict.first.component if verdict is not None and verdict.damaged else ""
+    for bearing in (one for one in kinematics.bearings if part in one.strikes):
+        turn = _first_frequency(settings, kinematics) * kinematics.shaft(bearing.shaft).ratio
+        inner = part.endswith("BPFI")
+        return PassLines(
+            label=part,
+            fault="",
+            frequency=turn * bearing.strikes[part],
+            spacing=turn * (1.0 if inner else bearing.sidebands.get(part, 0.0)),
+            spacing_label=bearing.shaft.replace("_", " ") if inner else "the cage",
+        )
+    return None
 
 
-def _pass_lines(settings: DiagnosisSettings, kinematics: Kinematics, bearing: Bearing, part: str) -> PassLines:
-    """The pass frequency of a bearing part, with the sidebands of the shaft (inner ring) or cage (element)."""
-    monitored = kinematics.shaft(settings.shaft or bearing.shaft).ratio
-    turn = settings.revolution_frequency * kinematics.shaft(bearing.shaft).ratio / monitored
-    inner = part.endswith("BPFI")
-    return PassLines(
-        label=part,
-        fault="",
-        frequency=turn * bearing.strikes[part],
-        spacing=turn * (1.0 if inner else bearing.sidebands.get(part, 0.0)),
-        spacing_label=bearing.shaft.replace("_", " ") if inner else "the cage",
-    )
+def _first_frequency(settings: DiagnosisSettings, kinematics: Kinematics) -> float:
+    return settings.revolution_frequency / kinematics.shaft(settings.shaft or kinematics.shafts[0].name).ratio
 
 
 def _pass_envelope(
-    settings: DiagnosisSettings,
-    runs: Sequence[xarray.Dataset],
-    verdict: Verdict | None,
-    kinematics: Kinematics,
-    lines: PassLines,
+    settings: DiagnosisSettings, runs: Sequence[xarray.Dataset], kinematics: Kinematics, lines: PassLines
 ) -> str:
-    """The envelope spectrum in the band of the verdict, at the channel of its evidence, with the lines of a bearing."""
-    for one in () if verdict is None else verdict.findings:
-        if one.component == lines.label:
-            settings = replace(settings, sensor=one.evidence.sensor, axis=one.evidence.axis)
-    first = settings.revolution_frequency / kinematics.shaft(settings.shaft or kinematics.shafts[0].name).ratio
-    band = envelope_band(kinematics, runs[0].time.values, first)
-    short = next(one for one in PARTS if lines.label.endswith(one))
-    names = {n * lines.frequency: f"{'' if n == 1 else f'{n} x '}{short}" for n in range(1, HARMONICS + 1)}
-    marked = [(f, names.get(f, "")) for _, _, f in lines.monitored() if f > 0.0]
-    sides = (
-        f", with sidebands at the frequency of {lines.spacing_label}, {lines.spacing:.4f} Hz" if lines.spacing else ""
-    )
+    """The envelope spectrum in the band of the verdict, with the lines of a bearing part."""
+    band = envelope_band(kinematics, runs[0].time.values, _first_frequency(settings, kinematics))
+    marked = [(f, name if np.isclose(f, n * lines.frequency) else "") for name, n, f in lines.monitored()]
+    sides = f", with sidebands at the frequency of {lines.spacing_label}, {lines.spacing:.4f} Hz" * bool(lines.spacing)
     caption = f"{lines.label} = {lines.frequency:.4f} Hz and its multiples{sides}. Damage of this part raises them."
     return _envelope(settings, band, runs, marked, (HARMONICS + 0.7) * lines.frequency, caption)
 

@@ -237,14 +237,16 @@ def _diagnosis(scene: Scene, machine: Drivetrain) -> Iterator[str]:
             "and "
             "diagnosis.gear to the faulty gear"
         )
-    spalls = {f"{one.bearing} {STRIKES[one.spall.on]}": one.name for one in machine.spalls}
-    kinematics = kinematics_of(machine.layout, machine.rolling)
-    if spalls and scene.diagnosis.windows_s and kinematics.frequency:
+    if machine.spalls and scene.diagnosis.windows_s and machine.layout.turns:
         longest = max(end - start for start, end in scene.diagnosis.windows_s.values())
-        rate = scene.simulation.output_rate_Hz
-        for part, reason in unresolved_passes(kinematics, kinematics.frequency, longest, rate).items():
-            if part in spalls:
-                yield f"diagnosis.windows_s: the pass order of the {spalls[part]} is not examined: {reason}"
+        kinematics, speed = (
+            kinematics_of(machine.layout, machine.rolling),
+            machine.layout.turns * abs(machine.layout.shaft_ratios[0]),
+        )
+        reasons = unresolved_passes(kinematics, speed, longest, scene.simulation.output_rate_Hz)
+        for one in machine.spalls:
+            if reason := reasons.get(f"{one.bearing} {STRIKES[one.spall.on]}"):
+                yield f"diagnosis.windows_s: the pass order of the {one.name} is not examined: {reason}"
     faulty = bool(scene.faults or shaft_faults(scene))
     if faulty and scene.control is None:
         for problem in bad_windows(scene, machine):

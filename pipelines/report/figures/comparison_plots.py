@@ -22,7 +22,6 @@ SIDEBANDS = 6  # on either side of a mesh order
 ENVELOPE_ORDERS = 10.0  # least range of the envelope spectra
 _NO_WIDTH = str.maketrans("", "", "${}_")  # characters of formulas that are not shown
 _NAME = 0.09  # of the height of a panel: row of names
-_WRAPPED = 150  # letters in a line below the figure
 _ROWS = 3  # of names; more would shrink the curves by more than a third of the height
 BEHIND = "#c9c9c9"  # the first recording, behind the others
 
@@ -223,8 +222,7 @@ def _mark(axes: Axes, marks: Mapping[str, float], span: tuple[float, float], *, 
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
             )  # fmt: skip
     if below:
-        text = textwrap.fill(f"Also marked: {', '.join(below)}", _WRAPPED, break_long_words=False)
-        axes.get_figure().supxlabel(text, fontsize=8, color=MARK)
+        axes.figure.supxlabel(textwrap.fill(f"Also marked: {', '.join(below)}", 150), fontsize=8, color=MARK)
     return len(ends)
 
 

@@ -314,9 +314,8 @@ def _left_out(
                     f"{remedy if kinematics.gears else ''}"
                 )
             words.append(f"{_named(shaft.name, kinematics)}: {rotation.conditional.get(shaft.name, reason)}")
-    frequency = turns * rotation.likely / max(float(time[last] - time[first]), 1e-9)
-    rate = (len(time) - 1) / float(time[-1] - time[0])
-    why = unresolved_passes(kinematics, frequency, float(time[last] - time[first]), rate, rotation.error)
+    seconds, rate = float(time[last] - time[first]), (len(time) - 1) / float(time[-1] - time[0])
+    why = unresolved_passes(kinematics, turns * rotation.likely / seconds, seconds, rate, rotation.error)
     parts = [part for bearing in kinematics.bearings for part in bearing.strikes if (part, PASSING) not in there]
     return (*words, *(f"{part}: {why.get(part, 'too few of its lines are in the spectrum')}" for part in parts))
 

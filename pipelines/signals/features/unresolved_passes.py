@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from pipelines.signals.features.passing import BEYOND, PASS_HARMONICS, SHORT, obstacle, resolved
 from pipelines.signals.orders.kinematics import Kinematics
 
@@ -28,38 +30,28 @@ def unresolved_passes(
         turn = frequency * kinematics.shaft(bearing.shaft).ratio
         whole = max(seconds - 1.0 / turn, 0.5 / turn)  # the window may begin at any angle
         for part, order in bearing.strikes.items():
-            known = turn * order, rate / 2, shafts, error
-            if not resolved(known[0], whole, *known[1:]):
-                needed = None
-                for length in (whole * _LONGER**n for n in range(_LONGEST, -1, -1)):
-                    if not resolved(known[0], length, *known[1:]):
-                        break
-                    needed = length + 1.0 / turn
-                found[part] = _reason(kinematics, seconds, length, needed, *known)
+            line, others = order * turn, (rate / 2, shafts, error)
+            if not resolved(line, whole, *others):
+                lengths = whole * _LONGER ** np.arange(_LONGEST)
+                failing = max(length for length in lengths.tolist() if not resolved(line, length, *others))
+                reason = _reason(kinematics, line, failing, *others)
+                needed = (
+                    f"{failing * _LONGER + 1.0 / turn:.2g} s are" if failing < lengths[-1] else "no longer window is"
+                )
+                found[part] = f"{reason}; the window has {seconds:.3g} s, {needed} enough"
     return found
 
 
 def _reason(
-    kinematics: Kinematics,
-    seconds: float,
-    failing: float,
-    needed: float | None,
-    line: float,
-    highest: float,
-    shafts: list[float],
-    error: float,
+    kinematics: Kinematics, line: float, seconds: float, highest: float, shafts: list[float], error: float
 ) -> str:
-    obstacles = [obstacle(n * line, failing, highest, shafts, error) for n in range(1, PASS_HARMONICS + 1)]
+    obstacles = [obstacle(n * line, seconds, highest, shafts, error) for n in range(1, PASS_HARMONICS + 1)]
     number, cause = next((n, one) for n, one in enumerate(obstacles, 1) if one is not None)
-    if cause == BEYOND:
-        return f"multiples of its pass frequency ({line:.4g} Hz) are above half of the sampling rate"
-    if cause == SHORT:
-        reason = f"its pass frequency ({line:.4g} Hz) has too few periods in a window of {seconds:.3g} s"
-    else:
-        shaft, turn = kinematics.shafts[int(cause)].name, shafts[int(cause)]
-        times = round(number * line / turn)
-        reason = (
-            f"{'' if number == 1 else f'{number} x '}its pass frequency ({number * line:.5g} Hz) is not separated from "
-            f"{times} x {shaft} ({times * turn:.5g} Hz) in a window of {seconds:.3g} s"
-        )
-    return f"{reason}; {'no longer window suffices' if needed is None else f'{needed:.2g} s are needed'}"
+    its = f"its pass frequency ({line:.5g} Hz)"
+    if isinstance(cause, str):
+        return {BEYOND: f"multiples of {its} exceed half of the sampling rate", SHORT: f"{its} has too few periods"}[
+            cause
+        ]
+    times = round(number * line / shafts[cause])
+    multiple = f"{times} x {kinematics.shafts[cause].name} ({times * shafts[cause]:.5g} Hz)"
+    return f"{'' if number == 1 else f'{number} x '}{its} is not separated from {multiple}"

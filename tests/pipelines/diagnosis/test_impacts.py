@@ -199,7 +199,7 @@ def test_a_cage_that_turns_too_seldom_is_named_in_text_facts_and_pages(tmp_path,
     judged(tmp_path, unbalanced(np.random.default_rng(2)))
     files = [str(tmp_path / name) for name in ("record.npy", "monday.npy")]
     asked = ["--machine", str(tmp_path / "machine.toml"), "--window", "0", "1"]
-    reason = "DE FTF: its pass frequency (11.54 Hz) has too few periods in a window of 1 s; "
+    reason = "DE FTF: its pass frequency (11.542 Hz) has too few periods; the window has 1 s, "
     assert main(["diagnose", files[0], *asked]) == 0
     printed = capsys.readouterr().out
     assert printed.startswith("No damage of an examined part of a bearing is clear.")

@@ -497,7 +497,7 @@ def test_a_window_that_does_not_resolve_the_pass_order_of_a_spall_is_named_befor
         "the pass order of the spall on the rolling element of bearing_1 is not examined: its pass frequency (235.67"
     )
     assert (named in words) == warned
-    assert (" not separated from 13 x shaft_2 (236.36 Hz) in a window of 0.5 s; 0.75 s are needed" in words) == warned
+    assert (" not separated from 13 x shaft_2 (236.36 Hz); the window has 0.5 s, 0.75 s are enough" in words) == warned
 
 
 def test_only_a_run_that_is_diagnosed_warns_of_its_diagnosis():

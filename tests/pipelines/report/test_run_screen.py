@@ -11,7 +11,7 @@ from pipelines.diagnosis.known_damage import Case
 from pipelines.diagnosis.verdict import Evidence, Finding, Verdict
 from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.scene_kinematics import kinematics_of
-from pipelines.report.first_screen import first_screen, over_teeth, shown_gear, shown_part
+from pipelines.report.first_screen import first_screen, over_teeth, pass_lines, shown_gear
 from pipelines.scene.load_scene import load_scene
 from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.orders.kinematics import Gear
@@ -122,4 +122,4 @@ def test_the_figure_of_a_damaged_bearing_is_its_envelope_spectrum_and_names_no_g
     assert "Monitored gear" not in text
     assert "tooth 10" not in text
     kinematics = kinematics_of(machine.layout, machine.rolling)
-    assert shown_part(verdict_of((finding("stage 1 wheel", True), first), True), (), kinematics) is None
+    assert pass_lines(settings, kinematics, verdict_of((finding("stage 1 wheel", True), first), True)) is None
