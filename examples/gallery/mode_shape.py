@@ -32,7 +32,7 @@ subprocess.run([sys.executable, "-m", "gearcase", *command], check=True, capture
 # The command writes a picture, an animated GIF and an HTML page with a slider for the phase. This is the picture:
 
 figure, axes = plt.subplots(figsize=(8, 6), layout="constrained")
-axes.imshow(plt.imread(folder / "casing_mode_1.png"))
+axes.imshow(plt.imread(folder / "casing-elastic-mode_1.png"))
 axes.set_axis_off()
 
 # %%

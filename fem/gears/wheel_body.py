@@ -32,6 +32,11 @@ def check_body(
     ------
     GeometryError : with the values
     """
+    require(
+        face_width >= 0.5 * normal_module,
+        f"{label}: face_width_mm = {1000 * face_width:.6g} is less than half a module. Set at least "
+        f"{500 * normal_module:.6g}; write it in mm",
+    )
     rim_inner_radius = bore_radius if rim_thickness is None else root_radius - rim_thickness
     require(
         bore_radius < root_radius,

@@ -16,7 +16,6 @@ counted references 5 % and 30 %. The undocumented parts that are used here are t
 
 from __future__ import annotations
 
-import _thread
 import contextlib
 import ctypes
 import functools
@@ -315,18 +314,22 @@ def _cell_of(function: Any, arguments: tuple[types.Type, ...]) -> int:
 
 @contextlib.contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """Delay Ctrl-C until compiled code has returned: an exception in a function that it calls would be lost."""
+    """Delay Ctrl-C and SIGTERM until compiled code returns: an exception in a function that it calls is lost."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
     held: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, _: held.append(number))
+    before = {
+        number: signal.signal(number, lambda number, _: held.append(number))
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
         if held:
-            threading.Timer(0.01, _thread.interrupt_main).start()
+            threading.Timer(0.01, signal.raise_signal, held[:1]).start()
 
 
 def _caller(symbol: str, signature: Any, parameters: Iterable[str]) -> Any:

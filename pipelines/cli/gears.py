@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
 from pipelines.io.argument_types import path, picture, positive, tilt
@@ -122,9 +122,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         write_curves(curves, target)
     if picture is not None:
         save_figure(transmission_error_figure(loaded.scene.title, errors), picture, dpi=115)
-    written = _write_maps(loaded, pairs, options, maps, work) if maps else []
+    roots, written = _write_maps(loaded, pairs, options, maps, work) if maps else ([], [])
     if options.json:
-        found = {"pairs": rows, "orders": orders, "notes": _notes(cases)}
+        found = {"pairs": rows, "orders": orders, "root_stress": roots, "notes": _notes(cases)}
         yield json_text(found | {"curves": target, "plot": picture, "maps": written})
         return
     title = (
@@ -133,6 +133,8 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     yield grid(title, rows).to_text()
     if orders:
         yield grid("Transmission error of the healthy pair, amplitudes of its orders", orders).to_text()
+    if roots:
+        yield grid("Largest root stress of the healthy pair, von Mises", roots).to_text()
     yield from _notes(cases)
     yield from (str(path) for path in (target, picture, *written) if path is not None)
 
@@ -159,27 +161,37 @@ def _states(found: PairLaws, options: argparse.Namespace) -> list[MeshState]:
 
 def _write_maps(
     loaded: LoadedScene, pairs: Sequence[PairLaws], options: argparse.Namespace, files: Sequence[Path], work: Work
-) -> list[Path]:
-    """Write the files of --map; with several stages each file name ends in the number of its stage."""
+) -> tuple[list[dict[str, Any]], list[Path]]:
+    """Write the files of --map; with several stages each file name ends in the number of its stage.
+
+    Returns
+    -------
+    rows with the largest root stresses for each stage, state and torque; the files
+    """
     from pipelines.engine.step import Graph
-    from pipelines.runs.load_map import TORQUE_SHARES, load_map, write_load_map
+    from pipelines.runs.gear_curves import MeshState, tilt_words
+    from pipelines.runs.load_map import TORQUE_SHARES, load_map, root_rows, write_load_map
     from pipelines.runs.root_stress import root_step
     from pipelines.runs.single_results import scene_graph
 
     machine = scene_graph(loaded)[1]
     steps = [root_step(machine, pair.stage) for pair in pairs]
-    outcome, written = work.build(Graph(steps), [step.name for step in steps]), []
+    outcome = work.build(Graph(steps), [step.name for step in steps])
+    rows: list[dict[str, Any]] = []
+    written: list[Path] = []
     for found, step in zip(pairs, steps, strict=True):
         laws = {"unmodified": found.unmodified} | ({"modified": found.healthy} if found.modified else {})
         given = found.force * found.pair.pinion.base_radius
         torques = options.torque or [share * given for share in TORQUE_SHARES]
         tilt = found.sense * options.tilt * 1e-6 / found.pair.face_width
         made = load_map(found.pair, laws, torques, outcome.value(step.name), sense=found.sense, tilt=tilt)
-        title = f"{loaded.scene.title}: stage {found.stage}, model {found.drive.model}"
+        rows += root_rows(found.stage, made, torques)
+        words = tilt_words(found, MeshState(force=found.force, tilt=tilt))
+        title = f"{loaded.scene.title}: stage {found.stage}, model {found.drive.model}, {words}"
         for file in files:
             named = file.with_stem(f"{file.stem}_{found.stage}") if len(pairs) > 1 else file
             written.append(write_load_map(title, made, named))
-    return written
+    return rows, written
 
 
 def _notes(cases: Sequence[tuple[PairLaws, MeshState]]) -> list[str]:

@@ -225,7 +225,7 @@ def _limits(found: Summary, scene: Scene | None) -> Iterator[str]:
     if band:
         yield f"The casing model contains modes up to {band:g} Hz. Above that, the casing responds too stiffly."
     yield "The signals hold no sensor noise: `gearcase.pieces` and `gearcase dataset export` add it."
-    yield "Every run contains its run-up: leave it out where a steady state is required."
+    yield "Every run starts with a run-up or transient: leave it out where a steady state is required."
     yield "The page docs/choosing-a-model.md of gearcase gives the limits of each model with measured errors."
     if failed := int(np.sum(found.columns["status"] == FAILED)):
         yield f"Failed runs: {failed}, see the column `reason`. They may be the extremes of a range."

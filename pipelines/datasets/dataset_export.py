@@ -186,7 +186,7 @@ def _write_mat(cut: Cut, folder: Path) -> None:
 
 def _write_csv(cut: Cut, folder: Path) -> None:
     """Write a CSV file for each run, with a line for each sample, and labels.csv."""
-    channels = [f"{sensor} {axis} [m/s2]" for sensor in cut.named["sensor"] for axis in cut.named["axis"]]
+    channels = [f"acceleration {sensor} {axis} [m/s2]" for sensor in cut.named["sensor"] for axis in cut.named["axis"]]
 
     def write(one: xarray.DataArray, path: Path) -> None:
         with path.open("w", encoding="utf-8", newline="") as file:

@@ -94,9 +94,9 @@ class Drivetrain:
 
     @property
     def diagnosis(self) -> DiagnosisSettings | None:
-        """Signal, lines and windows of a diagnosis; None without windows or sensors."""
+        """Signal, lines and windows of a diagnosis; None without windows or sensors, or at rest."""
         monitored, layout, hoist = self.monitored, self.layout, self.hoist
-        if not monitored.possible:
+        if not monitored.possible or layout.turns == 0.0:
             return None
         stage = layout.stages[monitored.stage - 1]
         on_wheel = monitored.gear == "wheel"

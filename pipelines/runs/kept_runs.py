@@ -83,7 +83,10 @@ def _verdict(folder: Path) -> str:
 
 
 def differing(runs: Iterable[KeptRun]) -> dict[int, dict[str, Any]]:
-    """Values of every run, by its number, that are not the same in all runs of its scene; None where it has none."""
+    """Values of every run, by its number, that are not the same in all runs of its scene; None where it has none.
+
+    Values that the fewest of these runs have are first.
+    """
     by_scene: dict[str, list[KeptRun]] = defaultdict(list)
     for run in runs:
         by_scene[run.scene].append(run)
@@ -91,7 +94,9 @@ def differing(runs: Iterable[KeptRun]) -> dict[int, dict[str, Any]]:
     for same in by_scene.values():
         keys = sorted({key for run in same for key in run.settings})
         unlike = [key for key in keys if any(run.settings.get(key) != same[0].settings.get(key) for run in same)]
-        found |= {run.number: {key: run.settings.get(key) for key in unlike} for run in same}
+        for run in same:
+            alike = {key: sum(one.settings.get(key) == run.settings.get(key) for one in same) for key in unlike}
+            found[run.number] = {key: run.settings.get(key) for key in sorted(unlike, key=lambda key: alike[key])}
     return found
 
 

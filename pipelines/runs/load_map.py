@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -59,7 +59,7 @@ def load_map(
     Parameters
     ----------
     pair, laws : the gears in mesh, and laws of the drive flank by the name of their state
-    torques : N m; the contact pattern is that of the first, the middle and the last one
+    torques : N m; contact patterns are those of the first, the middle and the last one
     roots : stresses of the fillets of pinion and wheel by unit forces
     sense : +1 if the face coordinate of the laws runs along the global y, else -1
     tilt : rad, in the face coordinate of the laws
@@ -76,7 +76,7 @@ def load_map(
 
     given = sorted(set(torques))
     torque = np.unique([float(f"{one:.9g}") for one in [*given, *np.arange(1, TORQUES + 1) * given[-1] / TORQUES]])
-    shown, radius = np.array([given[0], given[len(given) // 2], given[-1]]), pair.pinion.base_radius
+    shown, radius = np.unique([given[0], given[len(given) // 2], given[-1]]), pair.pinion.base_radius
     nodes = np.unique(np.round(np.concatenate([one.face for one in roots]), 12))[::sense]
     found: dict[str, list[np.ndarray]] = {name: [] for name in _CONTENT}
     for name, law in laws.items():
@@ -118,6 +118,20 @@ def _along_face(root: RootStress, face: np.ndarray, law: MeshLaw, cycle: MeshCyc
     """Largest root stress (face,), Pa, of one gear at a load of the cycle."""
     stress = root.of(law, cycle.cycle, *cycle.line_loads(load)).max(axis=(0, 1))
     return np.interp(face, root.face[:: root.turn], stress[:: root.turn])
+
+
+def root_rows(stage: int, found: xarray.Dataset, torques: Sequence[float]) -> list[dict[str, Any]]:
+    """Rows with the largest root stresses of a map at some of its torques (N m)."""
+    largest = 1e-6 * found.root_stress.max("root_face")
+    return [
+        {"stage": stage, "state": state, "torque N m": torque}
+        | {
+            f"{gear} MPa": float(largest.sel(state=state, gear=gear).sel(torque=torque, method="nearest"))
+            for gear in ("pinion", "wheel")
+        }
+        for state in found.state.values.tolist()
+        for torque in sorted(set(torques))
+    ]
 
 
 def write_load_map(title: str, found: xarray.Dataset, path: Path) -> Path:

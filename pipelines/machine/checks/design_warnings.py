@@ -30,7 +30,9 @@ LOAD_ZONE = math.pi / 2  # from the direction of a radial load, without clearanc
 _LEAST = {  # by key: smallest usual value, factor from another unit, and both units
     "amount_um": (0.05, 1e3, "mm: %g um"),
     "length_mm": (0.01, 1e3, "m: %g mm"),
-    "depth_mm": (1e-3, 1e3, "m: %g mm"),
+    "depth_mm": (5e-3, 1e3, "m: %g mm"),
+    "in_plane_um": (0.05, 1e3, "mm: %g um"),
+    "out_of_plane_um": (0.05, 1e3, "mm: %g um"),
     "helix_angle_deg": (0.5, 180 / math.pi, "rad: %.3g deg"),
 }
 HARMONICS = 5  # of the fastest mesh that a good record holds

@@ -40,7 +40,7 @@ def load_map_figure(title: str, found: xarray.Dataset) -> Figure:
         for number, colour in zip(range(_ORDERS), PAIR_COLOURS, strict=False):
             label = f"order {number + 1}" if style == "-" else None
             orders.plot(own.torque, 1e6 * own.order_amplitude[:, number], style, color=colour, label=label)
-        for number, (torque, colour, axes) in enumerate(zip(torques, colours, row, strict=True)):
+        for number, (torque, colour, axes) in enumerate(zip(torques, colours, row, strict=False)):
             one = own.sel(torque=torque, method="nearest")
             error = 1e6 * (one.transmission_error - one.transmission_error.mean())
             cycle.plot(one.position, error, style, color=colour, label=f"{torque:.4g} N m" if style == "-" else None)
@@ -55,6 +55,8 @@ def load_map_figure(title: str, found: xarray.Dataset) -> Figure:
             )
             dress(axes, f"{plain(state)}, {torque:.4g} N m: {float(pattern.max()):.0f} MPa", "y from mid face, mm", "")
             axes.grid(visible=False)
+        for axes in row[torques.size :]:
+            axes.set_axis_off()
         row[0].set_ylabel("diameter on the pinion, mm")
         for gear, colour in (("pinion", PAIR_COLOURS[0]), ("wheel", PAIR_COLOURS[1])):
             stress = own.root_stress.sel(gear=gear)[-1] / 1e6

@@ -266,7 +266,8 @@ def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) 
 
     stages = list(dict.fromkeys(error.stage for error in errors))
     faulty = {error.stage for error in errors if error.passages}
-    figure = new_figure(0.7 + 3.6 * (len(stages) + len(faulty)), 11.0)
+    entries = max(sum(len(error.states) for error in errors if error.stage == stage) for stage in stages)
+    figure = new_figure(0.7 + (3.6 + 0.1 * max(0, entries - 6)) * (len(stages) + len(faulty)), 11.0)
     figure.suptitle(f"{plain(title)}\ntransmission error without deviations")
     grid, row = figure.add_gridspec(len(stages) + len(faulty), 2, width_ratios=[1.2, 1.0]), 0
     for stage in stages:
@@ -292,7 +293,7 @@ def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) 
         dress(lines, "orders of the mesh frequency", "order", "amplitude, µm")
         lines.set_xticks(range(1, ORDERS + 1))
         curves.legend(
-            fontsize=8, ncols=max(1, len(own) // 3 + 1), loc="upper left", bbox_to_anchor=(0.0, -0.16), frameon=False
+            fontsize=8, ncols=1 if count < 3 else 2, loc="upper left", bbox_to_anchor=(0.0, -0.18), frameon=False
         )
         if stage in faulty:
             _draw_passages(figure.add_subplot(grid[row, :]), own, colours)

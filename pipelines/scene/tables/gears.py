@@ -92,5 +92,8 @@ class MisalignmentTable(Table):
     ] = 0.0
     out_of_plane_um: Annotated[
         Micrometres,
-        Field(description="out-of-plane deviation f_sigma_beta; positive opens the drive flanks at the +y end"),
+        Field(
+            description="out-of-plane deviation f_sigma_beta, times cos alpha_wt along the line of action; positive "
+            "opens the drive flanks at the +y end"
+        ),
     ] = 0.0

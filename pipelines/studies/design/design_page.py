@@ -39,6 +39,14 @@ def words(found: DesignStudy) -> Iterator[str]:
     if found.levels:
         yield grid(_LEVELS, found.levels).to_text()
         yield _louder(found)
+    for name, purpose in _purposes(found).items():
+        settings = " ".join(f"--set {key}={value}" for key, value in found.settings(name).items())
+        yield f"{purpose}: design {name}\n{settings}"
+    yield from _remarks(found)
+
+
+def _remarks(found: DesignStudy) -> Iterator[str]:
+    """What to know of the best designs before one is taken."""
     best = found.best()
     if COMPROMISE in best:
         yield (
@@ -47,11 +55,12 @@ def words(found: DesignStudy) -> Iterator[str]:
         )
     elif len(best) > 1:
         yield "There is no compromise that is better than the unmodified pair in every objective."
-    for name, purpose in _purposes(found).items():
-        settings = " ".join(f"--set {key}={value}" for key, value in found.settings(name).items())
-        yield f"{purpose}: design {name}\n{settings}"
+    for name in _purposes(found):
         if exceeded := found.exceeded(name):
-            yield f"Design {name} exceeds {', '.join(exceeded)} on the finer positions. Reduce the limit a little."
+            yield (
+                f"Design {name} exceeds {', '.join(exceeded)} on the finer positions, as all designs shown. Reduce the "
+                "limit of the search a little."
+            )
         if edges := found.edges(name):
             yield f"Design {name} is at the edge of the range of {', '.join(edges)}. Extend the range with --vary."
     yield from _model(found)
@@ -64,6 +73,8 @@ def _conditions(found: DesignStudy) -> str:
         f"{len(found.designs.index)} candidates, {torques} N m on the pinion. The table was computed with {FINE} "
         f"positions in the mesh cycle, the search with {conditions.positions}."
     )
+    if task.limits:
+        text += f" Limits: {', '.join(f'{one.quantity.label} <= {one.most:g}' for one in task.limits)}."
     if conditions.samples:
         flanks = "" if conditions.grade is None else f" of class {conditions.grade}"
         text += (
@@ -106,7 +117,7 @@ def write_page(found: DesignStudy, path: Path) -> None:
     body = [
         heading(found.title, 1),
         table(grid("", ({re.sub("[._]", " ", key): value for key, value in row.items()} for row in found.rows()))),
-        *map(paragraph, (_conditions(found), *_model(found))),
+        *map(paragraph, (_conditions(found), *_remarks(found))),
         *([table(grid(_LEVELS, found.levels)), paragraph(_louder(found))] if found.levels else []),
         picture(design_figure(found), _CAPTION),
         picture(load_map_figure(found.title, found.load_map(name)), _MAP_CAPTION),

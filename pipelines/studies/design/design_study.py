@@ -188,24 +188,24 @@ def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> Des
     if evaluate.of_levels:
         work.build(scene.graph, [scene.takes["response"]])
     designs = search(evaluate, task, quiet=work.quiet)
-    known: dict[str, tuple[int | None, Candidate]] = {"unmodified": (None, (scene, scene.involute))}
+    fixed: dict[str, Candidate] = {"unmodified": (scene, scene.involute)}
     if scene.given != scene.involute:
-        known["scene"] = None, (scene, scene.given)
-    unmodified = evaluate.results([(scene, scene.involute)])
-    limits = np.concatenate([one.of(unmodified) for one in task.objectives])
-    for letter, at in enumerate(_shown(designs, limits), ord("A")):
-        candidate = evaluate.candidate(designs.index[at])
-        assert candidate is not None  # it is on the front
-        known[chr(letter)] = at, candidate
-    pairs = {name: one for name, (_, one) in known.items()}
+        fixed["scene"] = scene, scene.given
+    shown = _shown(designs, task.judged(evaluate.results([fixed["unmodified"]]))[0])
+    found = [one for at in shown if (one := evaluate.candidate(designs.index[at])) is not None]  # all: of the front
+    results = evaluate.results([*fixed.values(), *found], positions=FINE)
+    objectives, excess = (values[len(fixed) :] for values in task.judged(results))
+    front = Designs(task=task, index=designs.index[shown], objectives=objectives, excess=excess).front
+    kept = front if front.size else np.arange(len(shown))  # if none meets the limits on the finer positions
+    pairs = fixed | {chr(letter): found[at] for letter, at in enumerate(kept, ord("A"))}
     return DesignStudy(
         title=f"{loaded.scene.title}: stage {options.stage}, {scene.pair.label.removeprefix('gear pair ')} teeth",
         designs=designs,
-        names=tuple(known),
-        candidates=tuple(at for at, _ in known.values()),
+        names=tuple(pairs),
+        candidates=(*(None for _ in fixed), *(shown[at] for at in kept)),
         pairs=tuple(pairs.values()),
         evaluate=evaluate,
-        results=evaluate.results(tuple(pairs.values()), positions=FINE),
+        results=CandidateResults.joined([results], np.array([*range(len(fixed)), *(len(fixed) + kept)])),
         levels=_levels(evaluate, task, pairs, work) if evaluate.of_levels else (),
     )
 

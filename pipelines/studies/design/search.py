@@ -63,6 +63,14 @@ class DesignTask:
         """Objectives, then quantities of the limits."""
         return tuple(dict.fromkeys([*self.objectives, *(limit.quantity for limit in self.limits)]))
 
+    def judged(self, found: CandidateResults) -> tuple[np.ndarray, np.ndarray]:
+        """Objectives (candidate, objective), and relative excess over the limits (candidate, limit), 0 if met."""
+        objectives = np.stack([one.of(found) for one in self.objectives], axis=1)
+        excess = np.zeros((len(objectives), len(self.limits)))
+        for column, limit in zip(excess.T, self.limits, strict=True):
+            column[:] = np.maximum(limit.quantity.of(found) - limit.most, 0.0) / (abs(limit.most) or 1.0)
+        return objectives, excess
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Designs:
@@ -208,12 +216,8 @@ class Evaluations:
         for row in new:
             self.known[row] = np.full(len(task.objectives), np.nan), np.zeros(len(task.limits))
         if possible:
-            found = self.results(tuple(possible.values()))
-            objectives = np.stack([one.of(found) for one in task.objectives], axis=1)
-            excess = np.zeros((len(possible), len(task.limits)))
-            for column, limit in zip(excess.T, task.limits, strict=True):
-                column[:] = np.maximum(limit.quantity.of(found) - limit.most, 0.0) / (abs(limit.most) or 1.0)
-            self.known |= dict(zip(possible, zip(objectives, excess, strict=True), strict=True))
+            judged = task.judged(self.results(tuple(possible.values())))
+            self.known |= dict(zip(possible, zip(*judged, strict=True), strict=True))
         values = [self.known[row] for row in rows]
         return np.array([one[0] for one in values]), np.array([one[1] for one in values])
 

@@ -4,9 +4,11 @@ import importlib
 import importlib.util
 import os
 import shutil
+import signal
 import stat
 import subprocess
 import sys
+import threading
 import types as types_of_python
 from pathlib import Path
 
@@ -18,7 +20,7 @@ from numba.core.errors import NumbaError
 from sources import ROOT
 from time_limit import HANGING
 
-from fem.numerics import compiled_files
+from fem.numerics import compiled, compiled_files
 from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, Signature, by_address, reached, stored, views
 from fem.numerics.inner_functions import Inner, inner
 from fem.storage.cache_folder import CacheWarning
@@ -360,3 +362,16 @@ def _copy_of_twice():
         return a
 
     return copy
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_that_arrives_while_code_is_compiled_is_handled_after_it(number):
+    handled = threading.Event()
+    before = signal.signal(number, lambda *_: handled.set())
+    try:
+        with compiled._interrupts_held():
+            signal.raise_signal(number)
+            assert not handled.is_set()
+        assert any(handled.wait(0.01) for _ in range(500))
+    finally:
+        signal.signal(number, before)

@@ -66,6 +66,8 @@ def test_matlab_gets_a_file_per_run(folder, expected, tmp_path):
 def test_csv_gets_a_file_per_run_and_a_table_of_labels(folder, expected, tmp_path):
     lines = labels_of(exported(folder, "csv", tmp_path / "csv", *CUT))
     assert [int(line["run"]) for line in lines] == [int(one.run[0]) for one in expected]
+    titles = (tmp_path / "csv" / lines[0]["file"]).read_text(encoding="utf-8").split(",")
+    assert titles[2] == f"acceleration {expected[0].sensor.values[0]} {expected[0].axis.values[0]} [m/s2]"  # as exports
     found = np.loadtxt(tmp_path / "csv" / lines[0]["file"], delimiter=",", skiprows=1)
     assert np.allclose(found[:, 2:].T, np.concatenate(list(expected[0].values[:, 0]), axis=-1), rtol=1e-8)
     assert np.allclose(np.diff(found[:, 1]), 1 / 5000)

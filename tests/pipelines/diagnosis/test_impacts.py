@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -199,14 +201,14 @@ def test_a_cage_that_turns_too_seldom_is_named_in_text_facts_and_pages(tmp_path,
     judged(tmp_path, unbalanced(np.random.default_rng(2)))
     files = [str(tmp_path / name) for name in ("record.npy", "monday.npy")]
     asked = ["--machine", str(tmp_path / "machine.toml"), "--window", "0", "1"]
-    reason = "DE FTF: its pass frequency (11.542 Hz) has too few periods; the window has 1 s, "
+    reason = r"DE FTF: its pass frequency \(11\.5\d* Hz\) has too few periods; the window has 1 s, "
     assert main(["diagnose", files[0], *asked]) == 0
     printed = capsys.readouterr().out
     assert printed.startswith("No damage of an examined part of a bearing is clear.")
-    assert f"Not examined: {reason}" in printed
+    assert re.search(f"Not examined: {reason}", printed)
     assert main(["diagnose", files[0], *asked, "--json"]) == 0
-    assert reason in capsys.readouterr().out
+    assert re.search(reason, capsys.readouterr().out)
     assert main(["diagnose", *files, *asked, "--out", str(tmp_path / "seen")]) == 0
-    assert f"Not examined: {reason}" in capsys.readouterr().out
+    assert re.search(f"Not examined: {reason}", capsys.readouterr().out)
     for page in ("report.html", "1/report.html"):
-        assert f"Not examined: {reason}" in (tmp_path / "seen" / page).read_text(encoding="utf-8")
+        assert re.search(f"Not examined: {reason}", (tmp_path / "seen" / page).read_text(encoding="utf-8"))

@@ -99,6 +99,7 @@ REFUSED = [
         "overlap",
     ),
     # mesh laws
+    ("minimal", {"stages.1.face_width_mm": 0.048}, "stages.1", "less than half a module"),
     ("minimal", {"stages.1.helix_angle_deg": 36.0}, "stages.1.mesh", "limit 30 deg of ISO 6336-1"),
     (
         "minimal",
@@ -358,12 +359,12 @@ def test_mounts_of_a_casing_that_is_held_are_a_warning(ground, warned):
 
 def test_gears_and_faults_in_another_unit_are_a_warning():
     relief = {"amount_um": 0.006, "length_mm": 0.007}
-    crack = {"kind": "cracked-tooth", "stage": 1, "gear": "wheel", "tooth": 7, "depth_mm": 0.00035}
+    crack = {"kind": "cracked-tooth", "stage": 1, "gear": "wheel", "tooth": 7, "depth_mm": 0.0015}
     given = {"stages.1.helix_angle_deg": 0.2269, "stages.1.pinion.tip_relief": relief, "faults": [crack]}
     scene = load_scene("bench", given).scene
     found = [text for text in design_warnings(scene, make_drivetrain(scene)) if "unusual" in text]
     assert [text.partition(":")[2].rpartition(" in ")[2] for text in found] == [
-        "rad: 13 deg", "mm: 6 um", "m: 7 mm", "m: 0.35 mm",
+        "rad: 13 deg", "mm: 6 um", "m: 7 mm", "m: 1.5 mm",
     ]  # fmt: skip
     shipped = load_scene("bench").scene
     assert not [text for text in design_warnings(shipped, make_drivetrain(shipped)) if "unusual" in text]
@@ -498,6 +499,12 @@ def test_a_window_that_does_not_resolve_the_pass_order_of_a_spall_is_named_befor
     )
     assert (named in words) == warned
     assert (" not separated from 13 x shaft_2 (236.36 Hz); the window has 0.5 s, 0.75 s are enough" in words) == warned
+
+
+def test_a_machine_at_rest_has_signals_but_no_diagnosis():
+    scene = load_scene("rig-healthy", {"drive.speeds_rpm": [0.0] * 6, "control": None}).scene
+    assert scene.diagnosis.windows_s
+    assert checked_machine(scene, "rest").diagnosis is None
 
 
 def test_only_a_run_that_is_diagnosed_warns_of_its_diagnosis():

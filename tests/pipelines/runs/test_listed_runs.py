@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 import subprocess
+from dataclasses import replace
 
 import pytest
 
@@ -89,6 +90,13 @@ def test_runs_with_other_baselines_differ_in_them(here):
     _, second, first = kept_runs(here / "runs", NOW)
     unlike = differing([second, first])
     assert [unlike[run.number]["--baseline"] for run in (second, first)] == [8, 0]
+
+
+def test_what_a_run_has_alone_is_named_before_what_many_runs_have(here):
+    one = kept_runs(here / "runs", NOW)[1]
+    values = [{"a": 1, "b": 2}, {"a": 1, "b": 2}, {"a": 1, "b": 3}, {"a": 4, "b": 2}]
+    runs = [replace(one, number=number, settings=settings) for number, settings in enumerate(values)]
+    assert [next(iter(differing(runs)[number])) for number in (2, 3)] == ["b", "a"]
 
 
 def test_the_table_of_lines_is_no_verdict(here):

@@ -11,7 +11,7 @@ from fem.contact.models.solid import Solid
 from fem.contact.models.solid_stress import root_stress
 from pipelines.cli.main import main
 from pipelines.runs.gear_curves import MeshState, gear_curves
-from pipelines.runs.load_map import load_map
+from pipelines.runs.load_map import load_map, root_rows
 
 TORQUES = (20.0, 40.0, 80.0)
 SETTINGS = {"stages.1.mesh.model": "plane", "stages.1.mesh.slices": 15, "stages.1.face_width_mm": 12.0}
@@ -85,6 +85,16 @@ def test_transmission_error_and_pressure_are_those_of_gears(solved):
     assert np.allclose(found.pressure.max("face"), curves.greatest_pressure, rtol=0.02)
     assert np.allclose(found.pattern.max(("diameter", "pattern_face")), curves.greatest_pressure, rtol=1e-9)
     assert float(found.order_amplitude.isel(torque=-1, order=0)) < float(found.peak_to_peak[-1])
+
+
+def test_a_map_of_two_torques_has_two_patterns_and_its_largest_root_stresses_are_a_table(solved):
+    found, roots = solved
+    made = load_map(found.pair, {"unmodified": found.unmodified}, (40.0, 20.0, 40.0), roots)
+    assert made.pattern_torque.values.tolist() == [20.0, 40.0]
+    rows = root_rows(1, made, (40.0, 20.0, 40.0))
+    assert [row["torque N m"] for row in rows] == [20.0, 40.0]
+    largest = made.root_stress.sel(torque=40.0, gear="wheel").max()
+    assert rows[1]["wheel MPa"] == pytest.approx(float(largest) / 1e6)
 
 
 @pytest.mark.slow
