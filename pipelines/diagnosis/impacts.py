@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from pipelines.signals.features.feature_table import WHOLE, left_out_words
 from pipelines.signals.features.passing import PASSING, SIDEBANDS
-from pipelines.signals.orders.kinematics import PARTS
 
 if TYPE_CHECKING:
     from pipelines.signals.features.feature_table import FeatureTable
@@ -63,9 +62,7 @@ def impact_words(table: FeatureTable) -> str:
         return f"There is no verdict without healthy recordings to compare with.{more}"
     first = found[0]
     named = " or ".join(one.component for one in found if one.level == first.level)  # equal bearings on one shaft
-    parts = [one for one in table.left_out if one.partition(": ")[0].endswith(PARTS)]
-    every = "an examined part of a bearing" if parts else "a bearing"
-    answer = "Damaged:" if first.clear else f"No damage of {every} is clear. The highest level:"
+    answer = "Damaged:" if first.clear else "No damage of an examined part of a bearing is clear. The highest level:"
     return (
         f"{answer} {named}, impacts at its pass order {first.level:.0f} dB over the envelope spectrum around "
         f"it at {first.sensor} {first.axis} (limit {CLEAR:g} dB).{more}"

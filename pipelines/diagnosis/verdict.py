@@ -84,7 +84,7 @@ class Verdict:
     that were called different or damaged. `tested` is 0 if the others are too few. `healthy` counts the recordings of
     the reference without those that are `outlying`. `left_out` names shafts with too few turns or of conditional speed,
     and bearing parts whose pass order is not resolved, and the reason. `not_examined` are all gears, shafts and bearing
-    parts without findings, or the bearing if none of its parts has one.
+    parts without findings.
     """
 
     findings: tuple[Finding, ...]

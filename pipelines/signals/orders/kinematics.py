@@ -85,12 +85,10 @@ class Kinematics:
         return places.get(component, component)
 
     def without(self, found: Set[str]) -> tuple[str, ...]:
-        """The gears, shafts and bearing parts that are not among some components; a bearing if none of its parts is."""
-        parts = {name: {name} for name in [gear.name for gear in self.gears] + [shaft.name for shaft in self.shafts]}
-        for bearing in self.bearings:
-            own = set(bearing.strikes)
-            parts |= {part: {part} for part in bearing.strikes} if own & found else {bearing.name: own}
-        return tuple(name for name, own in parts.items() if not own & found)
+        """The gears, shafts and bearing parts that are not among some components."""
+        parts = [part for bearing in self.bearings for part in bearing.strikes]
+        names = [*(gear.name for gear in self.gears), *(shaft.name for shaft in self.shafts), *parts]
+        return tuple(name for name in names if name not in found)
 
     @property
     def envelope_order(self) -> float:

@@ -170,7 +170,7 @@ def test_a_table_of_recordings_has_a_row_for_each_and_their_warnings(tmp_path, c
 def test_lines_of_the_shaft_are_no_impacts_of_a_bearing(tmp_path, seed):
     found = judged(tmp_path, unbalanced(np.random.default_rng(seed)))
     assert found.impacts[0].level < CLEAR - 5.0
-    assert file_words(found).startswith("No damage of a bearing is clear.")
+    assert file_words(found).startswith("No damage of an examined part of a bearing is clear.")
 
 
 @pytest.mark.parametrize(("uncertainty", "useful"), [("0.3", False), ("0.01", True)])
