@@ -106,7 +106,9 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
             evidence += _tooth_words(damage, [one.tooth for _, one in findings])
         elif unseen:
             verdict = unseen[0].verdict
-            evidence += [f"{one} ({unseen[0].name})." for one in verdict.left_out if damage.component in one]
+            evidence += [
+                f"{one} ({unseen[0].name})." for one in verdict.left_out if damage.component in one.partition(": ")[0]
+            ]
             evidence.append(f"Strongest evidence of the other components: {_nearest(cases, damage)}.")
             shared = f"{damage.component} has the same orders as the {verdict.first.component} and can be the cause."
             evidence += [shared] if damage.component in verdict.first.alike else []

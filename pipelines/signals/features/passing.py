@@ -40,6 +40,7 @@ FLOOR = 0.1  # of a pass order, to either side: range of the floor
 FEWEST_LINES = 8  # of the spectrum in the floor, or between multiples of a shaft speed
 BEYOND, SHORT = "beyond", "short"  # obstacles: the end of the spectrum, too few lines in the floor
 _LOBE = 2.0  # half width in lines of an order with a Hann window
+_MANY = 5  # times FEWEST_LINES to either side: multiples of shafts leave enough lines for a floor
 _SEEN = 1.0  # lines from the middle of an order, where it is 6 dB lower: near enough to a line that is not omitted
 
 
@@ -67,11 +68,9 @@ def pass_levels(
     laid = envelope.reshape(channels, turns * places)
     window = np.hanning(turns * places + 1)[:-1]
     lines = np.abs(fft.rfft((laid - laid.mean(axis=-1, keepdims=True)) * window, axis=-1))
-    place, free = np.arange(lines.shape[1]), np.ones(lines.shape[1], dtype=bool)
     factor, error = (rotation.likely, rotation.error) if rotation else (1.0, 0.0)
     per_order = turns * factor
-    for step in (per_order * ratio for ratio in shafts if per_order * ratio >= FEWEST_LINES):
-        free &= np.abs(place - step * np.round(place / step)) > _LOBE + min(error, SCATTER) * place
+    free = _free(np.arange(lines.shape[1]), [per_order * ratio for ratio in shafts], error)
     found = {
         (name, PASSING): _level(lines, free, order * per_order)
         for name, order in orders.items()
@@ -103,11 +102,22 @@ def obstacle(order: float, turns: float, highest: float, shafts: Sequence[float]
     """
     if (1.0 + FLOOR) * order > highest:
         return BEYOND
-    if FLOOR * order * turns < FEWEST_LINES / 2:
+    around = FLOOR * order * turns
+    near = np.arange(max(int(order * turns - around), 0), int(order * turns + around) + 1)
+    few = around < _MANY * FEWEST_LINES and _free(near, [turns * step for step in shafts], error).sum() < FEWEST_LINES
+    if around < FEWEST_LINES / 2 or few:
         return SHORT
-    near = (_LOBE - _SEEN) / turns + min(error, SCATTER) * order
+    close = (_LOBE - _SEEN) / turns + min(error, SCATTER) * order
     steps = [step if step * turns >= FEWEST_LINES else math.inf for step in shafts]
-    return next((n for n, step in enumerate(steps) if abs(math.remainder(order, step)) <= near), None)
+    return next((n for n, step in enumerate(steps) if abs(math.remainder(order, step)) <= close), None)
+
+
+def _free(place: np.ndarray, steps: Sequence[float], error: float) -> np.ndarray:
+    """Whether lines (place,) are away from the multiples of shafts, whose distances `steps` are in lines."""
+    free = np.ones(len(place), dtype=bool)
+    for step in (one for one in steps if one >= FEWEST_LINES):
+        free &= np.abs(place - step * np.round(place / step)) > _LOBE + min(error, SCATTER) * place
+    return free
 
 
 def _level(lines: np.ndarray, free: np.ndarray, centre: float, distance: float = 0.0) -> np.ndarray | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from pipelines.signals.features.passing import BEYOND, PASS_HARMONICS, SHORT, obstacle, resolved
@@ -28,7 +30,7 @@ def unresolved_passes(
     shafts = [frequency * shaft.ratio for shaft in kinematics.shafts]  # Hz; orders and turns are then Hz and s
     for bearing in kinematics.bearings:
         turn = frequency * kinematics.shaft(bearing.shaft).ratio
-        whole = max(seconds - 1.0 / turn, 0.5 / turn)  # the window may begin at any angle
+        whole = max(math.floor(seconds * turn) - 1.0, 0.5) / turn  # turns from mark to mark that it surely has
         for part, order in bearing.strikes.items():
             line, others = order * turn, (rate / 2, shafts, error)
             if not resolved(line, whole, *others):
@@ -36,7 +38,7 @@ def unresolved_passes(
                 failing = max(length for length in lengths.tolist() if not resolved(line, length, *others))
                 reason = _reason(kinematics, line, failing, *others)
                 needed = (
-                    f"{failing * _LONGER + 1.0 / turn:.2g} s are" if failing < lengths[-1] else "no longer window is"
+                    f"{failing * _LONGER + 2.0 / turn:.2g} s are" if failing < lengths[-1] else "no longer window is"
                 )
                 found[part] = f"{reason}; the window has {seconds:.3g} s, {needed} enough"
     return found

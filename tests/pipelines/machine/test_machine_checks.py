@@ -498,7 +498,7 @@ def test_a_window_that_does_not_resolve_the_pass_order_of_a_spall_is_named_befor
         "the pass order of the spall on the rolling element of bearing_1 is not examined: its pass frequency (235.67"
     )
     assert (named in words) == warned
-    assert (" not separated from 13 x shaft_2 (236.36 Hz); the window has 0.5 s, 0.75 s are enough" in words) == warned
+    assert (" not separated from 13 x shaft_2 (236.36 Hz); the window has 0.5 s, 0.77 s are enough" in words) == warned
 
 
 def test_a_machine_at_rest_has_signals_but_no_diagnosis():
