@@ -20,28 +20,27 @@ sidebands at the speed of the cage).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy import fft
 from scipy.ndimage import maximum_filter1d
 
+from pipelines.signals.features.unresolved_passes import (
+    FEWEST,
+    FEWEST_LINES,
+    FLOOR,
+    PASS_HARMONICS,
+    SCATTER,
+    free_lines,
+    resolved,
+)
 from pipelines.signals.orders.rotation import Rotation
 
 PASSING, SIDEBANDS = "pass_order", "pass_sidebands"  # features
-PASS_HARMONICS = 3
 SIDES = 2  # sidebands on each side
-FEWEST = 2 / 3  # share of the lines within the spectrum and not at a multiple of a shaft speed
 SLIP = 0.02  # of a pass order, to either side
-SCATTER = 0.001  # of a line, to either side, for slip that is not constant
 LEAD = 20.0  # dB, upper limit of the strongest line over the second strongest, since a single line is no comb
-FLOOR = 0.1  # of a pass order, to either side: range of the floor
-FEWEST_LINES = 8  # of the spectrum in the floor, or between multiples of a shaft speed
-BEYOND, SHORT = "beyond", "short"  # obstacles: the end of the spectrum, too few lines in the floor
-_LOBE = 2.0  # half width in lines of an order with a Hann window
-_MANY = 5  # times FEWEST_LINES to either side: multiples of shafts leave enough lines for a floor
-_SEEN = 1.0  # lines from the middle of an order, where it is 6 dB lower: near enough to a line that is not omitted
 
 
 def pass_levels(
@@ -70,7 +69,7 @@ def pass_levels(
     lines = np.abs(fft.rfft((laid - laid.mean(axis=-1, keepdims=True)) * window, axis=-1))
     factor, error = (rotation.likely, rotation.error) if rotation else (1.0, 0.0)
     per_order = turns * factor
-    free = _free(np.arange(lines.shape[1]), [per_order * ratio for ratio in shafts], error)
+    free = free_lines(np.arange(lines.shape[1]), [per_order * ratio for ratio in shafts], error)
     found = {
         (name, PASSING): _level(lines, free, order * per_order)
         for name, order in orders.items()
@@ -79,45 +78,6 @@ def pass_levels(
     for name, distance in (sidebands or {}).items():
         found[name, SIDEBANDS] = _level(lines, free, orders[name] * per_order, distance * per_order)
     return {name: level for name, level in found.items() if level is not None}
-
-
-def resolved(order: float, turns: float, highest: float, shafts: Sequence[float], error: float = 0.0) -> bool:
-    """Whether enough multiples of a pass order without slip have no `obstacle`; the arguments are the same."""
-    obstacles = [obstacle(n * order, turns, highest, shafts, error) for n in range(1, PASS_HARMONICS + 1)]
-    return obstacles.count(None) >= FEWEST * PASS_HARMONICS
-
-
-def obstacle(order: float, turns: float, highest: float, shafts: Sequence[float], error: float) -> str | int | None:
-    """Why a spectrum does not show the line of an order: BEYOND, SHORT, or the number (from 0) of a shaft.
-
-    A multiple of the speed of this shaft is too close. None if there is no reason.
-
-    Parameters
-    ----------
-    order : of the line
-    turns : in the window
-    highest : order in the spectrum
-    shafts : turns of all shafts per turn of this one
-    error : standard uncertainty of the speed, relative
-    """
-    if (1.0 + FLOOR) * order > highest:
-        return BEYOND
-    around = FLOOR * order * turns
-    near = np.arange(max(int(order * turns - around), 0), int(order * turns + around) + 1)
-    few = around < _MANY * FEWEST_LINES and _free(near, [turns * step for step in shafts], error).sum() < FEWEST_LINES
-    if around < FEWEST_LINES / 2 or few:
-        return SHORT
-    close = (_LOBE - _SEEN) / turns + min(error, SCATTER) * order
-    steps = [step if step * turns >= FEWEST_LINES else math.inf for step in shafts]
-    return next((n for n, step in enumerate(steps) if abs(math.remainder(order, step)) <= close), None)
-
-
-def _free(place: np.ndarray, steps: Sequence[float], error: float) -> np.ndarray:
-    """Whether lines (place,) are away from the multiples of shafts, whose distances `steps` are in lines."""
-    free = np.ones(len(place), dtype=bool)
-    for step in (one for one in steps if one >= FEWEST_LINES):
-        free &= np.abs(place - step * np.round(place / step)) > _LOBE + min(error, SCATTER) * place
-    return free
 
 
 def _level(lines: np.ndarray, free: np.ndarray, centre: float, distance: float = 0.0) -> np.ndarray | None:
