@@ -11,7 +11,7 @@ from collections.abc import Callable
 from importlib import metadata
 from typing import Any
 
-LIBRARIES = ("gearcase", "numpy", "scipy", "numba", "gmsh", "scikit-fem", "pymetis", "scikit-sparse", "pydantic")
+LIBRARIES = ("gearcase", "numpy", "scipy", "numba", "gmsh", "scikit-fem", "pymetis", "pydantic")
 LONG = 8.0  # s; what takes longer is measured once
 
 

@@ -26,7 +26,7 @@ from fem.casing.uncertainty.modal_form import ModalForm, modal_form
 from mbd.output.trajectory import Trajectory
 from pipelines.diagnosis.control_diagnosis import Diagnosis, diagnose
 from pipelines.diagnosis.uncertainty.bar_records import LineBars
-from pipelines.diagnosis.uncertainty.uncertain import uncertain
+from pipelines.diagnosis.uncertainty.sampled_bars import casing_errors
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph, Step
 from pipelines.machine.machine_model import MachineModel
@@ -160,11 +160,11 @@ def drawn_body(body: ReducedBody, form: ModalForm, draws: CasingSamples, number:
 def simulated_samples(first: MeshRun, diagnosis: Diagnosis, bars: LineBars) -> np.ndarray:
     """Levels (draw, line) of drawn casings that are simulated, dB over those of the run."""
     model, body = first.model, first.taken["body"]
-    unknown = uncertain(model.casing, first.taken["modes"][0], first.taken["coarser"], model.monitored.damping_spread)
-    assert unknown.errors is not None
+    errors = casing_errors(first.taken["modes"][0], first.taken["coarser"])
+    assert errors is not None
     form = modal_form(body)
     near = near_modes(form, max(diagnosis.band[1], diagnosis.settings.highest_line))
-    draws = sampled_frequencies(form, near, unknown.errors, DRAWS, SEED)
+    draws = sampled_frequencies(form, near, errors, DRAWS, SEED)
     machine = assemble_machine(model.parts, first.taken["laws"])
     own, found = levels(first.motion, model, diagnosis, bars), []
     for number in range(DRAWS):

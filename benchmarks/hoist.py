@@ -51,7 +51,7 @@ def hoist(
         disks=(Disk(name="drum", y=0.0, mass=20.0, polar_inertia=0.1, diametral_inertia=0.1),),
     )
     bearings = tuple(
-        BearingSpec(name=name, shaft="shaft_1", y=y, stiffness_x=1e9, stiffness_z=1e9, stiffness_axial=1e8)
+        BearingSpec(name=name, shaft="shaft_1", y=y, stiffness=(1e9, 1e8, 1e9, 0.0, 0.0))
         for name, y in (("bearing_1", -0.15), ("bearing_2", 0.15))
     )
     load = Rope(

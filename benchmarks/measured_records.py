@@ -18,7 +18,7 @@ from pathlib import Path
 from pipelines.diagnosis.impacts import impacts
 from pipelines.diagnosis.judge import judge
 from pipelines.diagnosis.verdict_words import headline, standing
-from pipelines.runs.judged_recording import machine_of, read_features
+from pipelines.runs.recorded_file import machine_of, read_features
 from pipelines.signals.features.feature_table import with_common_components
 
 

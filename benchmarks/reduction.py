@@ -20,13 +20,11 @@ from typing import Any
 from benchmarks.clock import conditions
 from fem.processes.child import command, environment
 
-CASES = (  # mm, Hz, solver
-    (26.0, 5000.0, "multifrontal"),
-    (26.0, 5000.0, "superlu"),
-    (15.8, 10000.0 / 3.0, "multifrontal"),
-    (15.8, 5000.0, "multifrontal"),
-    (15.8, 5000.0, "superlu"),
-    (9.2, 5000.0, "multifrontal"),
+CASES = (  # mm, Hz
+    (26.0, 5000.0),
+    (15.8, 10000.0 / 3.0),
+    (15.8, 5000.0),
+    (9.2, 5000.0),
 )
 RESULTS = Path(__file__).resolve().parent / "results" / "reduction.json"
 
@@ -36,16 +34,15 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.reduction", description="Cost of a casing reduction.")
     parser.add_argument("--elements", type=float, nargs="+", metavar="MM", help="element sizes")
     parser.add_argument("--bands", type=float, nargs="+", metavar="HZ", help="wanted bands")
-    parser.add_argument("--solvers", nargs="+", help="multifrontal, superlu, cholmod")
     parser.add_argument("--one", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args(arguments)
-    asked = tuple(product(given.elements or [15.8], given.bands or [5000.0], given.solvers or ["multifrontal"]))
+    asked = tuple(product(given.elements or [15.8], given.bands or [5000.0]))
     if given.one:
         print(json.dumps(measure(*asked[0])))
         return 0
     cases = []
-    for size, band, solver in asked if given.elements or given.bands or given.solvers else CASES:
-        cases.append(_in_child(size, band, solver))
+    for size, band in asked if given.elements or given.bands else CASES:
+        cases.append(_in_child(size, band))
         print(_text(cases[-1]), flush=True)
     RESULTS.write_text(
         json.dumps({"conditions": conditions() | {"threads": 2}, "cases": cases}, indent=1) + "\n", encoding="utf-8"
@@ -53,7 +50,7 @@ def main(arguments: list[str] | None = None) -> int:
     return int(any("failed" in case for case in cases))
 
 
-def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
+def measure(element_size: float, band: float) -> dict[str, Any]:
     """One case; steps with wall-clock and processor seconds."""
     from threadpoolctl import threadpool_limits
 
@@ -90,7 +87,7 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
         )
         reduction, counted = step(
             "factorisation, constraint and fixed-interface modes and their count, inertia correction",
-            lambda: reduced_and_counted(casing.subspaces, casing.loads, highest=limit, solver=solver),  # type: ignore[arg-type]
+            lambda: reduced_and_counted(casing.subspaces, casing.loads, highest=limit),
         )
         modes = step(
             "basis on the mesh",
@@ -115,18 +112,18 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
     }
 
 
-def _in_child(size: float, band: float, solver: str) -> dict[str, Any]:
-    case = ["--elements", str(size), "--bands", str(band), "--solvers", solver]
+def _in_child(size: float, band: float) -> dict[str, Any]:
+    case = ["--elements", str(size), "--bands", str(band)]
     run = command("benchmarks.reduction", "--one", *case)
     done = subprocess.run(run, env=environment(), capture_output=True, text=True, check=False)
     if done.returncode:
-        return {"element_size_mm": size, "band_Hz": band, "solver": solver, "failed": done.stderr.strip()[-300:]}
+        return {"element_size_mm": size, "band_Hz": band, "failed": done.stderr.strip()[-300:]}
     return json.loads(done.stdout.splitlines()[-1])
 
 
 def _text(case: dict[str, Any]) -> str:
     if "failed" in case:
-        return f"{case['element_size_mm']:g} mm, {case['solver']}: {case['failed']}"
+        return f"{case['element_size_mm']:g} mm: {case['failed']}"
     lines = [
         f"{case['unknowns']} unknowns, {case['interface']} interface coordinates, {case['modes']} modes to "
         f"{1.5 * case['band_Hz']:g} Hz (counted {case['counted']}), {case['solver']}"

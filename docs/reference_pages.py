@@ -63,13 +63,13 @@ def _first_sentence(found: object) -> str:
 
 def command_pages() -> dict[str, str]:
     """A page per command: its help, and that of its actions."""
-    from pipelines.cli.command_line import COMMANDS, parser
+    from pipelines.cli.command_line import COMMANDS, help_and_example, parser
 
     top = parser()
     below = _actions(top)
     pages = {}
     for name, words in COMMANDS.items():
-        example = importlib.import_module(f"pipelines.cli.{name}").EXAMPLE.partition("\n")[0]
+        example = help_and_example(importlib.import_module(f"pipelines.cli.{name}"))[1].partition("\n")[0]
         helps = [_help(below[name]), *map(_help, _actions(below[name]).values())]
         blocks = "\n".join(f"```text\n{text.rstrip()}\n```\n" for text in helps)
         pages[f"commands/{name}.md"] = (

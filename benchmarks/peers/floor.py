@@ -55,9 +55,9 @@ def step_count(modes: int, rows: int, forces: int, outputs: int, iterations: flo
 
 def factor_count(matrix: Any) -> dict[str, float]:
     """Flops and bytes of a Cholesky factor in the nested dissection order of the library, by the column counts."""
-    from fem.numerics.linear_solver import nested_dissection
+    from fem.numerics.elimination import plan_elimination
 
-    order = nested_dissection(matrix, block=3)
+    order = plan_elimination(matrix, 3).order
     counts = column_counts(matrix[order][:, order])
     return {"flops": float(np.square(counts, dtype=float).sum()), "bytes": NUMBER * float(counts.sum()),
             "unknowns": int(matrix.shape[0]), "entries": float(counts.sum())}  # fmt: skip

@@ -54,8 +54,8 @@ def machine() -> Machine:
         for side, y in enumerate((-0.08, 0.08), start=1):
             bearings.append(
                 BearingSpec(
-                    name=f"bearing_{2 * number - 2 + side}", shaft=name, y=y, stiffness_x=1e8, stiffness_z=1e8,
-                    stiffness_axial=5e7, stiffness_tilt_x=1e4, stiffness_tilt_z=1e4, damping_time=5e-6,
+                    name=f"bearing_{2 * number - 2 + side}", shaft=name, y=y,
+                    stiffness=(1e8, 5e7, 1e8, 1e4, 1e4), damping_time=5e-6,
                 )
             )  # fmt: skip
     mesh = MeshSpec(

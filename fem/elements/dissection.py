@@ -35,13 +35,9 @@ class Box:
     halves: tuple[int, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class _Cuts:
-    """The best cut of a set of section elements: its unknowns in every layer, and those of a plane across the axis."""
-
-    sides: tuple[np.ndarray, np.ndarray] | None  # None for a single element
-    along: int  # unknowns of a section on the cut
-    across: int  # unknowns of the whole section
+# The best cut of a set of section elements: both sides (None for a single element), its unknowns in every layer, and
+# those of a plane across the axis
+_Cut = tuple[tuple[np.ndarray, np.ndarray] | None, int, int]
 
 
 class Dissection:
@@ -57,7 +53,7 @@ class Dissection:
 
     def __init__(self, elements: np.ndarray, grid: np.ndarray, weight: np.ndarray, filled: np.ndarray) -> None:
         self._elements, self._grid, self._weight, self._filled = elements, grid, weight, filled
-        self._known: dict[bytes, _Cuts] = {}
+        self._known: dict[bytes, _Cut] = {}
         self.boxes: list[Box] = []
         self._divide(np.arange(len(elements)), 0, filled.shape[1])
 
@@ -86,26 +82,26 @@ class Dissection:
         layers = high - low
         halves: tuple[int, ...] = ()
         if len(members) > _LEAF or layers > 1:
-            cuts = self._cuts(members)
+            sides, along, across = self._cut(members)
             share = np.inf
-            if cuts.sides is not None:
-                share = cuts.along * (2 * layers + 1) / (len(cuts.sides[0]) * len(cuts.sides[1]) * layers**2)
+            if sides is not None:
+                share = along * (2 * layers + 1) / (len(sides[0]) * len(sides[1]) * layers**2)
             middle = (low + high) // 2
-            if layers > 1 and cuts.across / ((middle - low) * (high - middle) * len(members) ** 2) <= share:
+            if layers > 1 and across / ((middle - low) * (high - middle) * len(members) ** 2) <= share:
                 halves = self._divide(members, low, middle) + self._divide(members, middle, high)
             else:
-                assert cuts.sides is not None
-                halves = self._divide(cuts.sides[0], low, high) + self._divide(cuts.sides[1], low, high)
+                assert sides is not None
+                halves = self._divide(sides[0], low, high) + self._divide(sides[1], low, high)
         self.boxes.append(Box(members, low, high, halves))
         return (len(self.boxes) - 1,)
 
-    def _cuts(self, members: np.ndarray) -> _Cuts:
+    def _cut(self, members: np.ndarray) -> _Cut:
         key = members.tobytes()
         if key not in self._known:
             self._known[key] = self._best(members)
         return self._known[key]
 
-    def _best(self, members: np.ndarray) -> _Cuts:
+    def _best(self, members: np.ndarray) -> _Cut:
         nodes, at = np.unique(self._elements[members], return_inverse=True)
         at, weight = at.reshape(-1, 9), self._weight[nodes]
         best, sides, along = np.inf, None, 0
@@ -118,4 +114,4 @@ class Dissection:
                 share = unknowns / (low.sum() * (~low).sum())
                 if share < best:
                     best, sides, along = share, (members[low], members[~low]), unknowns
-        return _Cuts(sides, along, int(weight.sum()))
+        return sides, along, int(weight.sum())

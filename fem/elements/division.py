@@ -52,7 +52,14 @@ _WEDGE = _Shape(
 _HEXAHEDRON = _Shape(
     "hexahedra",
     ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
-    ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
+    (
+        (3, 0, 4, 7),
+        (1, 2, 6, 5),
+        (0, 1, 5, 4),
+        (2, 3, 7, 6),
+        (0, 3, 2, 1),
+        (4, 5, 6, 7),
+    ),  # as VTK numbers mid-face nodes
 )
 _MIRRORED = [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]  # nodes of a tetrahedron of opposite orientation
 _SHAPES = {  # corners and shape by the number of nodes
@@ -88,7 +95,7 @@ def divided(nodes: np.ndarray, blocks: Sequence[np.ndarray]) -> tuple[np.ndarray
         raise ElementError(
             f"elements with and without mid-side nodes do not fit together ({counts}); make all of them quadratic"
         )
-    blocks = [_ordered(nodes, block) for block in blocks]
+    blocks = [ordered(nodes, block) for block in blocks]
     _check_conforming(nodes, blocks)
     parts = [_outwards(nodes, _corner_tetrahedra(block)) for block in blocks]
     corners = np.vstack(parts)
@@ -114,12 +121,14 @@ def cut_quadrilaterals(faces: np.ndarray) -> np.ndarray:
 
 
 def ordered(nodes: np.ndarray, block: np.ndarray) -> np.ndarray:
-    """Elements of one kind with every mid-side node on its edge; tetrahedra are reordered if all are inverted.
+    """Elements of one kind with every node on the edge or face to which VTK assigns it.
+
+    Tetrahedra are reordered if all are inverted.
 
     Parameters
     ----------
     nodes : (n, 3), mm
-    block : (e, k) elements in the order of VTK; some programs write other orders of mid-side nodes
+    block : (e, k) elements in the order of VTK; some programs write other orders of mid-side and mid-face nodes
 
     Raises
     ------
@@ -127,25 +136,15 @@ def ordered(nodes: np.ndarray, block: np.ndarray) -> np.ndarray:
     """
     count, shape = _SHAPES[block.shape[1]]
     if block.shape[1] > count:
-        block = block.copy()
-        block[:, count : count + len(shape.edges)] = block[:, _mid_sides(nodes, block)]
+        order = _mid_sides(nodes, block)
+        rest = np.setdiff1d(np.arange(count, block.shape[1]), order)
+        if len(rest):
+            some = block[_sample(block)]
+            corners = [list(face) for face in (*shape.quadrilaterals, range(count))][: len(rest)]
+            centres = np.stack([nodes[some[:, own]].mean(axis=1) for own in corners], axis=1)
+            rest = _places(nodes, some, rest, centres)
+        block = np.column_stack([block[:, :count], block[:, order], block[:, rest]])
     return _outwards(nodes, block) if shape is _TETRAHEDRON else block
-
-
-def _ordered(nodes: np.ndarray, block: np.ndarray) -> np.ndarray:
-    """The elements with every mid-side and mid-face node in the order of the edges and faces of its shape."""
-    count, shape = _SHAPES[block.shape[1]]
-    if block.shape[1] == count:
-        return block
-    order = _mid_sides(nodes, block)
-    rest = np.setdiff1d(np.arange(count, block.shape[1]), order)
-    found = np.column_stack([block[:, :count], block[:, order], block[:, rest]])
-    if len(rest):
-        some = _sample(block)
-        corners = [list(face) for face in (*shape.quadrilaterals, range(count))][: len(rest)]
-        centres = [nodes[block[some][:, own]].mean(axis=1) for own in corners]
-        found[:, count + len(order) :] = block[:, _places(nodes, block[some], rest, np.stack(centres, axis=1))]
-    return found
 
 
 def _mid_sides(nodes: np.ndarray, block: np.ndarray) -> np.ndarray:

@@ -58,13 +58,8 @@ class Ties:
         return out.reshape(len(node), -1), (sides[:, None] * self.count + np.arange(self.count)).ravel()
 
 
-@dataclass(frozen=True, eq=False)
-class Front:
-    """Elimination in one box: u_inner = -X u_rest with X = K_ii^-1 K_ib, by unknown numbers."""
-
-    inner: np.ndarray
-    rest: np.ndarray
-    solution: np.ndarray
+# Elimination in one box, u_inner = -X u_rest with X = K_ii^-1 K_ib: numbers of the inner unknowns and the rest, and X
+_Front = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 @dataclass(eq=False)
@@ -78,7 +73,7 @@ class Prism:
     roles: np.ndarray
     ties: Ties
     filled: np.ndarray  # bool (elements, axial elements), False where there is no material
-    fronts: list[Front] | None = None  # give a list to store the data for `recover`
+    fronts: list[_Front] | None = None  # give a list to store the data for `recover`
 
     @property
     def size(self) -> int:
@@ -109,8 +104,8 @@ class Prism:
         """All unknowns (size + tied, columns) from the remaining ones, for an unloaded interior."""
         out = np.zeros((self.size + 2 * self.ties.count, values.shape[1]))
         out[numbers] = values
-        for front in reversed(self.fronts or []):
-            out[front.inner] = -front.solution @ out[front.rest]
+        for inner, rest, solution in reversed(self.fronts or []):
+            out[inner] = -solution @ out[rest]
         return out
 
     def _eliminated(self, dissection: Dissection, inner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -145,7 +140,7 @@ class Prism:
         if self.fronts is not None:
             solution = B.copy(order="F")
             blas.solve_right(L, solution)
-            self.fronts.append(Front(order[turns[:k]], order[turns[k:]], solution.T))
+            self.fronts.append((order[turns[:k]], order[turns[k:]], solution.T))
         blas.add_square(B, C, -1.0)
         return turns[k:], C
 

@@ -30,12 +30,6 @@ class Elimination:
     children: tuple[tuple[int, ...], ...]  # supernodes whose update matrices are added to it
     split: tuple[int, int]  # supernodes before the first are not coupled with those from it to before the second
 
-    @property
-    def entries(self) -> int:
-        """Number of entries that a factor stores."""
-        width = np.diff(self.starts)
-        return int(sum(w * (w + len(r)) for w, r in zip(width, self.rows, strict=True)))
-
 
 def plan_elimination(K: sp.spmatrix, block: int = 1) -> Elimination:
     """Supernodes of a symmetric sparse matrix (n, n) with groups of `block` unknowns; the last may be smaller."""
@@ -131,10 +125,8 @@ def dissect(graph: sp.csr_matrix) -> np.ndarray:
 
     if graph.nnz == 0:
         return np.arange(graph.shape[0])
-    if hasattr(pymetis, "CSRAdjacency"):
-        adjacency = pymetis.CSRAdjacency(adj_starts=graph.indptr, adjacent=graph.indices)
-        return np.asarray(pymetis.nested_dissection(adjacency)[0])
-    return np.asarray(pymetis.nested_dissection(xadj=graph.indptr, adjncy=graph.indices)[0])  # before 2025.2
+    adjacency = pymetis.CSRAdjacency(adj_starts=graph.indptr, adjacent=graph.indices)
+    return np.asarray(pymetis.nested_dissection(adjacency)[0])
 
 
 def firsts(n: int, block: int) -> np.ndarray:

@@ -2,18 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import sys
-from functools import cache
-from typing import Any
-
-
-@cache
-def _trim() -> Any:
-    """malloc_trim of the C library of GNU, None elsewhere."""
-    if not sys.platform.startswith("linux"):
-        return None
-    return getattr(ctypes.CDLL(None), "malloc_trim", None)
 
 
 def give_back() -> None:
@@ -22,6 +13,6 @@ def give_back() -> None:
     glibc keeps the pages of small arrays that lie between others: after the assembly of a casing of 70,000 unknowns
     0.4 of 1.2 GB. Takes some hundredths of a second.
     """
-    trim = _trim()
-    if trim is not None:
-        trim(0)
+    if sys.platform.startswith("linux"):
+        with contextlib.suppress(AttributeError):  # only the C library of GNU has it
+            ctypes.CDLL(None).malloc_trim(0)

@@ -49,8 +49,10 @@ class NearlySingularError(ValueError):
 class Cholesky:
     """Factor of a positive definite matrix; `pivots` are the squares of the diagonal of L."""
 
+    name = "multifrontal Cholesky with METIS ordering"  # for the provenance of results
+
     def __init__(self, plan: Elimination, K: sp.spmatrix) -> None:
-        self._order, self._split = plan.order, plan.split
+        self.plan = plan  # also for other matrices of the same pattern
         width, height = np.diff(plan.starts), np.array([len(rows) for rows in plan.rows])
         ends = np.cumsum(width * (width + height))
         panels = np.zeros(ends[-1])
@@ -64,8 +66,7 @@ class Cholesky:
         def eliminate(number: int, A: np.ndarray, B: np.ndarray, C: np.ndarray) -> None:
             first = plan.starts[number]
             if failed := blas.cholesky(A):
-                unknown = int(plan.order[first + failed - 1])
-                raise NotDefiniteError(unknown)
+                raise NotDefiniteError(int(plan.order[first + failed - 1]))
             pivots[first : first + len(A)] = np.diag(A) ** 2
             blas.solve_right(A, B, transposed=True)
             blas.add_square(B, C, -1.0)
@@ -76,10 +77,10 @@ class Cholesky:
         self.pivots = pivots
 
     def solve(self, b: np.ndarray) -> np.ndarray:
-        """K^-1 b for b (n,) or (n, k)."""
-        x = np.ascontiguousarray(np.asarray(b, float).reshape(len(self._order), -1)[self._order])
+        """K^-1 b for b (n,) or (n, k), which is not changed."""
+        x = np.ascontiguousarray(np.asarray(b, float).reshape(len(self.plan.order), -1)[self.plan.order])
         starts = self._store[2]
-        (first, second), last = self._split, len(starts) - 1
+        (first, second), last = self.plan.split, len(starts) - 1
         top = int(starts[second])
         passed = np.zeros((2, len(x) - top, x.shape[1]))
         side_by_side(
@@ -91,7 +92,7 @@ class Cholesky:
         _up(x, self._store, second, last)
         side_by_side(lambda: _up(x, self._store, 0, first), lambda: _up(x, self._store, first, second))
         out = np.empty_like(x)
-        out[self._order] = x
+        out[self.plan.order] = x
         return out.reshape(np.shape(b))
 
 

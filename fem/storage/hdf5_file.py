@@ -1,8 +1,7 @@
 """HDF5 files, written so that a full disk raises OSError.
 
 If the disk becomes full while the HDF5 library writes, the library cannot close its objects, which may end the process.
-The library therefore never writes to the disk itself: small files are made in memory and written at once, large ones
-are written through `careful_file`.
+The library therefore never writes to the disk itself, but through `careful_file`.
 """
 
 from __future__ import annotations
@@ -20,26 +19,10 @@ if TYPE_CHECKING:
 
 
 @contextlib.contextmanager
-def hdf5_file(path: Path | str) -> Iterator[h5py.File]:
-    """A new, open HDF5 file in memory; it is written to `path` when the block ends without error.
-
-    Raises
-    ------
-    OSError : the file cannot be written
-    """
-    import h5py
-
-    memory = io.BytesIO()
-    with h5py.File(memory, "w") as file:
-        yield file
-    Path(path).write_bytes(memory.getbuffer())
-
-
-@contextlib.contextmanager
 def careful_file(path: Path | str) -> Iterator[CarefulFile]:
     """A new file that the HDF5 library may write to; it gets the name `path` when the block ends without error.
 
-    Call `check` of the file after every block of data.
+    Call `check` of a large file after every block of data.
 
     Raises
     ------
@@ -85,18 +68,6 @@ class CarefulFile(io.RawIOBase):
         """Raise the error of the disk if there was one."""
         if self._error is not None:
             raise self._error
-
-    def readable(self) -> bool:
-        """True."""
-        return True
-
-    def writable(self) -> bool:
-        """True."""
-        return True
-
-    def seekable(self) -> bool:
-        """True."""
-        return True
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         """Go to a position; it may be beyond the end."""

@@ -17,7 +17,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from fem.storage import shown_html
-from fem.storage.hdf5_file import hdf5_file
+from fem.storage.hdf5_file import careful_file
 from fem.storage.large_array_file import StoredArray
 
 _NAMES_SHOWN = 6
@@ -119,10 +119,10 @@ class Record:
         return self.replaced(**{name: np.asarray(value) for name, value in self.stored_arrays().items()})
 
     def save(self, path: Path | str, *, without: Collection[str] = ()) -> None:
-        """Write all fields but `without` to an HDF5 file that xarray opens. Not atomic; the cache makes it so."""
+        """Write all fields but `without` to an HDF5 file that xarray opens. A file that fails is removed."""
         import h5py
 
-        with hdf5_file(path) as file:
+        with careful_file(path) as disk, h5py.File(disk, "w") as file:
             file.attrs["record"] = type(self).__name__
             scales: dict[str, Any] = {}
             for field in dataclasses.fields(self):

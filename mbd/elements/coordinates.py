@@ -70,10 +70,6 @@ class Coordinates(abc.ABC):
         """Row of a casing point, e.g. ``bearing_1:ux``; zero if the casing has no coordinates."""
 
     @abc.abstractmethod
-    def casing_shift(self, name: str) -> np.ndarray:
-        """Motion (3,) of a row of the casing for a translation of the whole machine by 1 along x, y, z."""
-
-    @abc.abstractmethod
     def check_key_point(self, name: str, shaft: str, y: float) -> None:
         """Raise MachineError if the casing's key point of that name is not at ``y`` of the shaft's axis; one that is
         missing is named by `casing_row`."""

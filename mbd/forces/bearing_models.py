@@ -71,15 +71,13 @@ class LinearBearings(BearingModel):
 
     def spec(self, name: str, at: Station, support: Support) -> BearingSpec:
         """Springs and dampers."""
+        vertical = self.radial_stiffness if self.vertical_stiffness is None else self.vertical_stiffness
+        tilt = self.tilt_stiffness
         return BearingSpec(
             name=name,
             shaft=at[0],
             y=at[1],
-            stiffness_x=self.radial_stiffness,
-            stiffness_z=self.radial_stiffness if self.vertical_stiffness is None else self.vertical_stiffness,
-            stiffness_axial=self.axial_stiffness,
-            stiffness_tilt_x=self.tilt_stiffness,
-            stiffness_tilt_z=self.tilt_stiffness,
+            stiffness=(self.radial_stiffness, self.axial_stiffness, vertical, tilt, tilt),
             cross=(("ux", "uz", self.cross_stiffness),) if self.cross_stiffness else (),
             damping_time=self.damping_time,
             support=support,

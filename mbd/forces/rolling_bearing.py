@@ -261,8 +261,8 @@ def hertz_bearing(
     """
     radial, axial, tilt = tangent_at_load(elements)
     return BearingSpec(
-        name=name, shaft=shaft, y=y, stiffness_x=radial, stiffness_z=radial, stiffness_axial=axial,
-        stiffness_tilt_x=tilt, stiffness_tilt_z=tilt, damping_time=damping_time, support=support, model="hertz",
+        name=name, shaft=shaft, y=y, stiffness=(radial, axial, radial, tilt, tilt), damping_time=damping_time,
+        support=support, model="hertz",
         inside=RollingContacts(elements=elements, damping_time=damping_time),
     )  # fmt: skip
 

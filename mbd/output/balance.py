@@ -23,12 +23,12 @@ class EnergyBalance:
     """Accumulates the energies of a run of at least ``n_steps`` steps; it needs exactly ``steps`` of them."""
 
     def __init__(self, system: System, integrator: Integrator, step: float, n_steps: int) -> None:
-        self._system, self._step = system, step
+        self._system = system
         massive = [part for part in system.parts if part.is_massive]
         inertia = [part.mass @ system.rolling[part.index] @ integrator.displacement[part.index] for part in massive]
         torque = system.motor_torque[0] @ integrator.displacement + system.motor_torque[1] @ integrator.velocity
         self._linear = LinearWork(system, integrator, step, n_steps, torque)
-        self._elements, self.steps = ElementWork(system), self._linear.steps
+        self.elements, self.steps = ElementWork(system), self._linear.steps
         self._watch = np.array([*inertia, torque, system.constant_force @ integrator.displacement])
         self._watched, self._angle = np.zeros(len(self._watch)), 0.0
         self._ramp_work = dict.fromkeys([part.name for part in massive], 0.0)
@@ -39,7 +39,7 @@ class EnergyBalance:
         """Add a block; ``first`` is its first instant, counted in steps since the start."""
         angles, accelerations = block.clock[:, ANGLE], block.clock[:, ACCELERATION]
         self._linear.take(block, first)
-        self._elements.take(block)
+        self.elements.take(block)
         watched = block.states @ self._watch.T
         if first == 0:
             self._watched, self._angle = watched[0], angles[0]
@@ -54,10 +54,6 @@ class EnergyBalance:
         self._watched, self._angle = watched[-1], angles[-1]
         self._speeds = (block.clock[0, SPEED] if first == 0 else self._speeds[0], block.clock[-1, SPEED])
 
-    def events(self) -> dict[str, int]:
-        """Contacts lost by every mesh and made on its coast flank, slack events of the ropes."""
-        return self._elements.events()
-
     def table(self) -> tuple[tuple[str, ...], np.ndarray]:
         """Part names and ENERGY_ENTRIES (part, entry) in J.
 
@@ -65,13 +61,13 @@ class EnergyBalance:
         energy if undamped), all work of the sources for the total.
         """
         linear, motor_work = self._linear.entries(self._ramp_work)
-        rows = linear | self._elements.entries()
+        rows = linear | self.elements.entries()
         parts = np.array(list(rows.values()))
         stored = float(parts[:, 0].sum()) + self._rigid_energy()
         dissipated, parametric = float(parts[:, 1].sum()), float(parts[:, 3].sum())
         received = motor_work + self._constant_work
         residual = received + parametric - stored - dissipated
-        scale = self._throughput + self._elements.throughput
+        scale = self._throughput + self.elements.throughput
         rows["total"] = [stored, dissipated, received, parametric, residual, scale]
         return tuple(rows), np.array(list(rows.values()))
 

@@ -28,26 +28,22 @@ UNDAMPED = 1e-13  # |values_a + values_b| below this share of |values|: the pair
 class FlowWork:
     """Accumulates the blocks of a run of an integrator with a `Flow`."""
 
-    def __init__(self, flow: Flow) -> None:
-        self._flow = flow
+    def __init__(self, flow: Flow, steps: int) -> None:
+        self._flow, self.steps = flow, steps
         self._n_signals = flow.rows.shape[1] + 3  # lambda, acceleration, 1, speed
         self._sums: dict[float, tuple[np.ndarray, np.ndarray]] = {}  # by length of step: c eta_start, c c^T
         self._first, self._last = np.zeros(0), np.zeros(0)
 
-    def take(self, block: Block) -> None:
-        """Add the steps that end at the instants of ``block``; the first block is the start alone."""
+    def take(self, block: Block, first: int) -> None:
+        """Add the steps that end at the instants of ``block``, of which ``first`` is 0 for the start alone."""
         self._last = block.states[-1].copy()
-        if self._first.size == 0:
+        if first == 0:
             self._first = block.states[0].copy()
             return
         lengths = block.clock[:, LENGTH]
         for length in np.unique(lengths):
             some = lengths == length
-            whole = bool(some.all())
-            pieces = (
-                self._pieces(block.holds, block.clock) if whole else self._pieces(block.holds[some], block.clock[some])
-            )
-            self._add(float(length), pieces, block.starts if whole else block.starts[some])
+            self._add(float(length), self._pieces(block.holds[some], block.clock[some]), block.starts[some])
 
     def _pieces(self, holds: np.ndarray, clock: np.ndarray) -> np.ndarray:
         """c (step, k, signal)."""

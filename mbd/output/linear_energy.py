@@ -13,7 +13,7 @@ import itertools
 import numpy as np
 
 from mbd.elements.linear_part import Part
-from mbd.integrators.base import LENGTH, SPEED, Block, Integrator
+from mbd.integrators.base import Block, Integrator
 from mbd.output.exact_integrals import FlowWork
 from mbd.output.sampled_integrals import SampledWork
 from mbd.system.system import System
@@ -26,7 +26,7 @@ class LinearWork:
     """
 
     def __init__(self, system: System, integrator: Integrator, step: float, n_steps: int, torque: np.ndarray) -> None:
-        self._system, self._torque, self._step = system, torque, step
+        self._system, self._torque = system, torque
         self.to_q, self.to_v = integrator.displacement, integrator.velocity
         self._turn = -integrator.inverse_mass @ (system.mass @ system.rolling)
         self._massless = [(part, part.rows(system.layout.size)) for part in system.parts if not part.is_massive]
@@ -42,26 +42,18 @@ class LinearWork:
                 ),
             ]
         )
-        self._flow = None if integrator.flow is None else FlowWork(integrator.flow)
-        self._sampled = None
-        self.steps = n_steps
-        if self._flow is None:
-            self._sampled = SampledWork(step, n_steps, self._to_force, len(system.rows))
-            self.steps = self._sampled.steps
+        self._integrals: FlowWork | SampledWork
+        if integrator.flow is None:
+            self._integrals = SampledWork(step, n_steps, self._to_force, len(system.rows), torque)
+        else:
+            self._integrals = FlowWork(integrator.flow, n_steps)
+        self.steps = self._integrals.steps
         self.origin, self.latest = np.zeros(self.to_q.shape[1]), np.zeros(self.to_q.shape[1])
-        self._motor_work, self._power = 0.0, 0.0
         self._peak = {part.name: 0.0 for part in system.parts if not part.damping.any()}
 
     def take(self, block: Block, first: int) -> None:
         """Add a block; ``first`` is its first instant, counted in steps since the start."""
-        if self._flow is not None:
-            self._flow.take(block)
-        if self._sampled is not None:
-            self._sampled.take(block, first)
-            power = (block.states @ self._torque) * block.clock[:, SPEED]
-            power_before = np.concatenate([[self._power], power[:-1]])
-            self._motor_work += 0.5 * float(block.clock[:, LENGTH] @ (power + power_before))
-            self._power = float(power[-1])
+        self._integrals.take(block, first)
         if first == 0:
             self.origin = block.states[0].copy()
         self.latest = block.states[-1].copy()
@@ -72,9 +64,17 @@ class LinearWork:
     def entries(self, ramp_work: dict[str, float]) -> tuple[dict[str, list[float]], float]:
         """Stored, dissipated, received, parametric (0), residual, scale of every part, and the motors' work, J."""
         system, moved = self._system, self.to_q @ (self.latest - self.origin)
-        port_work, velocity, motor_work = self._integrals()
-        if system.frame.free and self._flow is not None:
-            ramp_work = self._free_ramp_work(moved)
+        if isinstance(self._integrals, SampledWork):
+            port_work, velocity = self._integrals.integrals(self.latest, self.to_q, self.to_v, self._turn)
+            motor_work = self._integrals.motor_work
+        else:
+            pushed, second = self._integrals.integrals()
+            mixed = second @ self.to_v.T
+            port_work, velocity = self._to_force @ mixed, self.to_v @ mixed
+            motor_work = float(pushed[-1] @ self._torque)
+            port_work[: len(system.rows)] -= pushed[: len(system.rows)] @ self.to_v.T
+            if system.frame.free:
+                ramp_work = self._free_ramp_work(moved, pushed)
         work = self._ports * port_work  # (port, coordinate) that the motion of each coordinate does against each port
         rows: dict[str, list[float]] = {}
         ends = np.cumsum([len(system.rows), *(len(own) for _, own in self._massless)])
@@ -91,28 +91,15 @@ class LinearWork:
             rows[part.name] = [change, dissipated, received, 0.0, received - change - dissipated, scale]
         return rows, motor_work
 
-    def _free_ramp_work(self, moved: np.ndarray) -> dict[str, float]:
+    def _free_ramp_work(self, moved: np.ndarray, pushed: np.ndarray) -> dict[str, float]:
         """Work (J) of the inertia forces of a free frame on every part, exact: phi'' = load + push . lambda.
 
-        ``moved`` (coordinate,) is the change of the displacements.
+        ``moved`` (coordinate,) is the change of the displacements, ``pushed`` as of `FlowWork.integrals`.
         """
-        assert self._flow is not None
         frame = self._system.frame
-        motion = frame.load * moved + frame.push @ (self._flow.integrals()[0][: len(frame.push)] @ self.to_v.T)
+        motion = frame.load * moved + frame.push @ (pushed[: len(frame.push)] @ self.to_v.T)
         massive = [part for part in self._system.parts if part.is_massive]
         return {p.name: -float(p.mass @ self._system.rolling[p.index] @ motion[p.index]) for p in massive}
-
-    def _integrals(self) -> tuple[np.ndarray, np.ndarray, float]:
-        """int f v^T dt (port, coordinate), int v v^T dt and the motors' work."""
-        if self._flow is None:
-            assert self._sampled is not None
-            return *self._sampled.integrals(self.latest, self.to_q, self.to_v, self._turn), self._motor_work
-        pushed, second = self._flow.integrals()
-        m = len(self._system.rows)
-        moved = second @ self.to_v.T
-        work = self._to_force @ moved
-        work[:m] -= pushed[:m] @ self.to_v.T
-        return work, self.to_v @ moved, float(pushed[-1] @ self._torque)
 
     def _energy(self, part: Part, state: np.ndarray) -> float:
         """Kinetic and strain energy of a linear part."""

@@ -11,17 +11,18 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import blas
 
-from mbd.integrators.base import ACCELERATION, Block
+from mbd.integrators.base import ACCELERATION, LENGTH, SPEED, Block
 
 MAX_SAMPLES = 100_000  # for int x x^T; longer runs are sampled every few steps
 
 
 class SampledWork:
     """Accumulates the integrals of a run of at least ``n_steps`` steps; ``steps`` is the number rounded up to the
-    stride."""
+    stride. ``torque`` (state,) is the row of the motors' torque."""
 
-    def __init__(self, step: float, n_steps: int, to_force: np.ndarray, n_rows: int) -> None:
-        self._step, self._to_force, self._m = step, to_force, n_rows
+    def __init__(self, step: float, n_steps: int, to_force: np.ndarray, n_rows: int, torque: np.ndarray) -> None:
+        self._step, self._to_force, self._m, self._torque = step, to_force, n_rows, torque
+        self.motor_work, self._power = 0.0, 0.0
         self.stride = max(1, -(-n_steps // MAX_SAMPLES))
         self.steps = -(-n_steps // self.stride) * self.stride
         ports, size = to_force.shape
@@ -34,6 +35,9 @@ class SampledWork:
         """Add a block of whole steps; ``first`` is its first instant, counted in steps since the start."""
         if first == 0:
             self._origin, self._origin_force = block.states[0].copy(), block.forces[0].copy()
+        power = (block.states @ self._torque) * block.clock[:, SPEED]
+        self.motor_work += 0.5 * float(block.clock[:, LENGTH] @ (power + np.concatenate([[self._power], power[:-1]])))
+        self._power = float(power[-1])
         states = block.states - self._origin
         at = np.arange(first, first + len(states))
         weight = self._step * np.where((at == 0) | (at == self.steps), 0.5, 1.0)

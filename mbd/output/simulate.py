@@ -54,66 +54,33 @@ def simulate(
     OSError : `file` cannot be written
     """
     with threadpool_limits(limits=1):  # small matrices: a second thread only waits
-        return _simulate(system, settings, progress, start, file)
-
-
-def _simulate(
-    system: System, settings: MotionSettings, progress: Progress | None, start: State | None, file: Path | None
-) -> Trajectory:
-    system.machine.check_run(settings.end)
-    every = max(1, math.ceil(1 / (settings.output_rate * settings.step) - 1e-9))  # steps per sample
-    step = 1 / (settings.output_rate * every)
-    integrator = make_integrator(settings.integrator, system, step)
-    shape = (len(system.channels.names), settings.n_samples)
-    values = np.zeros(shape) if file is None else StoredArray.create(file, shape)
-    recorder = Recorder(system, integrator, every, settings.output_rate, values)
-    balance = EnergyBalance(system, integrator, step, recorder.steps_needed)
-    state = equilibrium(system, system.machine.starting_speed) if start is None else start
-    step_check = StepCheck(recorder, system.machine.profile, step, every, balance.steps)
-    repeatability = Repeatability(system, recorder, step, balance.steps)
-    _feed(integrator.start(state), 0, recorder, balance)
-    size = max(every, BLOCK_STATES // integrator.displacement.shape[1])
-    done = 0
-    while done < balance.steps:
-        for check in (step_check, repeatability):
-            check.before(integrator, done)
-        n = min(size, balance.steps - done, step_check.reach(done), repeatability.reach(done))
-        block = _advance(integrator, system, done, n, step)
-        _feed(block, done + 1, recorder, balance)
-        for check in (step_check, repeatability):
-            check.after(done, n, block)
-        done += n
-        if progress is not None:
-            progress(done / balance.steps)
-    counters = integrator.counters | balance.events()
-    logger.info("simulated %d steps of %.3g s: %s", done, step, counters)
-    return _trajectory(system, settings, step, recorder, balance, counters, step_check, repeatability)
-
-
-def _advance(integrator: Integrator, system: System, done: int, n: int, step: float) -> Block:
-    """Integrate n steps; the motor acceleration of a step is its mean, which preserves the change of speed."""
-    block = integrator.advance(*system.machine.profile.motion(done, n, step))
-    if not np.isfinite(block.states).all():
-        bad = int(np.argmax(~np.isfinite(block.states).all(axis=1)))
-        at = step * done + block.clock[: bad + 1, LENGTH].sum()
-        raise StepError(f"t = {at:.6g} s: the state is not finite (h = {step:.3g} s). Use a smaller step.")
-    machine = system.machine
-    if machine.free and machine.load is not None:
-        i = int(np.argmax(block.clock[:, ANGLE]))
-        at = step * done + block.clock[: i + 1, LENGTH].sum()
-        machine.load.check_turned(system.layout.ratios[machine.load.shaft] * float(block.clock[i, ANGLE]), at)
-    return block
-
-
-def _feed(block: Block, first: int, recorder: Recorder, balance: EnergyBalance) -> None:
-    recorder.take(block)
-    balance.take(block, first)
-
-
-def _trajectory(
-    system: System, settings: MotionSettings, step: float, recorder: Recorder, balance: EnergyBalance,
-    counters: dict[str, int], step_check: StepCheck, repeatability: Repeatability,
-) -> Trajectory:  # fmt: skip
+        system.machine.check_run(settings.end)
+        every = max(1, math.ceil(1 / (settings.output_rate * settings.step) - 1e-9))  # steps per sample
+        step = 1 / (settings.output_rate * every)
+        integrator = make_integrator(settings.integrator, system, step)
+        shape = (len(system.channels.names), settings.n_samples)
+        values = np.zeros(shape) if file is None else StoredArray.create(file, shape)
+        recorder = Recorder(system, integrator, every, settings.output_rate, values)
+        balance = EnergyBalance(system, integrator, step, recorder.steps_needed)
+        state = equilibrium(system, system.machine.starting_speed) if start is None else start
+        step_check = StepCheck(recorder, system.machine.profile, step, every, balance.steps)
+        repeatability = Repeatability(system, recorder, step, balance.steps)
+        _feed(integrator.start(state), 0, recorder, balance)
+        size = max(every, BLOCK_STATES // integrator.displacement.shape[1])
+        done = 0
+        while done < balance.steps:
+            for check in (step_check, repeatability):
+                check.before(integrator, done)
+            n = min(size, balance.steps - done, step_check.reach(done), repeatability.reach(done))
+            block = _advance(integrator, system, done, n, step)
+            _feed(block, done + 1, recorder, balance)
+            for check in (step_check, repeatability):
+                check.after(done, n, block)
+            done += n
+            if progress is not None:
+                progress(done / balance.steps)
+        counters = integrator.counters | balance.elements.events()
+        logger.info("simulated %d steps of %.3g s: %s", done, step, counters)
     rows, machine = system.channels, system.machine
     parts, table = balance.table()
     sources = [force for force in machine.forces if isinstance(force, TorqueSource)]
@@ -141,3 +108,23 @@ def _trajectory(
         energy_entries=ENERGY_ENTRIES,
         energies=table,
     )
+
+
+def _advance(integrator: Integrator, system: System, done: int, n: int, step: float) -> Block:
+    """Integrate n steps; the motor acceleration of a step is its mean, which preserves the change of speed."""
+    block = integrator.advance(*system.machine.profile.motion(done, n, step))
+    if not np.isfinite(block.states).all():
+        bad = int(np.argmax(~np.isfinite(block.states).all(axis=1)))
+        at = step * done + block.clock[: bad + 1, LENGTH].sum()
+        raise StepError(f"t = {at:.6g} s: the state is not finite (h = {step:.3g} s). Use a smaller step.")
+    machine = system.machine
+    if machine.free and machine.load is not None:
+        i = int(np.argmax(block.clock[:, ANGLE]))
+        at = step * done + block.clock[: i + 1, LENGTH].sum()
+        machine.load.check_turned(system.layout.ratios[machine.load.shaft] * float(block.clock[i, ANGLE]), at)
+    return block
+
+
+def _feed(block: Block, first: int, recorder: Recorder, balance: EnergyBalance) -> None:
+    recorder.take(block)
+    balance.take(block, first)

@@ -55,7 +55,8 @@ class Inside(Protocol):
 class BearingSpec(Component):
     """A bearing at ``y`` of ``shaft``; with the support "casing" its name is that of the casing's key point.
 
-    Stiffness in N/m (ux, uz radial, uy axial) and N m/rad (rx, rz tilt); an axis with stiffness 0 is free.
+    ``stiffness`` (5,) is the diagonal in the order of BEARING_AXES: N/m along x, y (the shaft) and z, N m/rad about x
+    and z; an axis with stiffness 0 is free.
     ``cross`` adds symmetric cross terms, e.g. ``("ux", "uz", 2e6)``. ``damping_time`` tau (s) gives C = tau K, unless
     ``damping`` (5, 5) is given.
     """
@@ -63,11 +64,7 @@ class BearingSpec(Component):
     name: str
     shaft: str
     y: float
-    stiffness_x: float
-    stiffness_z: float
-    stiffness_axial: float = 0.0
-    stiffness_tilt_x: float = 0.0
-    stiffness_tilt_z: float = 0.0
+    stiffness: tuple[float, float, float, float, float]
     cross: tuple[tuple[str, str, float], ...] = ()
     damping_time: float = 1e-5
     damping: tuple[tuple[float, ...], ...] | None = None
@@ -79,17 +76,6 @@ class BearingSpec(Component):
         where = f"bearing {self.name}"
         semidefinite(f"{where} stiffness", self.stiffness_matrix)
         semidefinite(f"{where} damping", self.damping_matrix)
-
-    @property
-    def stiffness(self) -> tuple[float, ...]:
-        """Diagonal, in the order of BEARING_AXES."""
-        return (
-            self.stiffness_x,
-            self.stiffness_axial,
-            self.stiffness_z,
-            self.stiffness_tilt_x,
-            self.stiffness_tilt_z,
-        )
 
     @property
     def stiffness_matrix(self) -> np.ndarray:
@@ -184,7 +170,7 @@ def rigid_bearing(name: str, shaft: str, y: float, support: Literal["casing", "g
     """
     k = RIGID_STIFFNESS
     return BearingSpec(
-        name=name, shaft=shaft, y=y, stiffness_x=k, stiffness_z=k, stiffness_axial=k, damping_time=0.0,
+        name=name, shaft=shaft, y=y, stiffness=(k, k, k, 0.0, 0.0), damping_time=0.0,
         support=support, model="rigid",
     )  # fmt: skip
 

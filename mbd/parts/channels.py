@@ -20,7 +20,7 @@ from mbd.parts.gear_mesh import mesh_channels
 from mbd.parts.load import CONTAINER, GROUND_ACCELERATION, OUTSIDE_FORCE, ROPE_FORCE, SWAY
 from mbd.parts.machine import Train
 from mbd.parts.part_checks import MachineError
-from mbd.parts.probe import DISPLACEMENT, probe_channel
+from mbd.parts.probe import DISPLACEMENT
 from mbd.parts.shafts import shaft_channels
 from mbd.parts.speed_drive import COUPLING_TORQUE, motor_channels
 
@@ -44,7 +44,6 @@ __all__ = [
     "journal_acceleration",
     "mesh_channels",
     "motor_channels",
-    "probe_channel",
     "sensor_names",
     "shaft_channels",
 ]
@@ -176,7 +175,8 @@ def channel_rows(names: tuple[str, ...], lay: Layout, elements: Sequence[Element
                 )
             row = f"{thing}:u{quantity[1]}"
             acceleration = lay.casing_row(row)  # raises an error for an unknown row
-            readings.append(Reading("m/s2", acceleration=acceleration, shift=lay.casing_shift(row), vibration=True))
+            shift = lay.casing.row_shifts[lay.casing.row_names.index(row)]
+            readings.append(Reading("m/s2", acceleration=acceleration, shift=shift, vibration=True))
         else:
             raise MachineError(f"channel {name!r} is unknown; known: {', '.join(offered)} and '<sensor>:ax|ay|az'.")
     n, m = lay.size, sum(len(element.rows) for element in elements)

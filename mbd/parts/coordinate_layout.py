@@ -53,8 +53,7 @@ class Layout(Coordinates):
         found = np.zeros((self.size, 3))
         for shaft in self.machine.shafts:
             span = self.spans[shaft.name]
-            for k, axis in enumerate(("ux", "uy", "uz")):
-                found[span, k] = [label.endswith(f":{axis}") for label in self.names[span]]
+            found[span] = [[label.endswith(f":{axis}") for axis in ("ux", "uy", "uz")] for label in self.names[span]]
         for component in self.machine.components:
             for name, motion in zip(component.coordinates, component.translation(), strict=True):
                 found[self.names.index(name)] = motion
@@ -94,10 +93,6 @@ class Layout(Coordinates):
                     f"{len(self.casing.row_names)} rows was given. Add the key point to the casing."
                 ) from None
         return row
-
-    def casing_shift(self, name: str) -> np.ndarray:
-        """Motion (3,) of a row of the casing for a translation of the whole machine by 1 along x, y, z."""
-        return self.casing.row_shifts[self.casing.row_names.index(name)]
 
     def check_key_point(self, name: str, shaft: str, y: float) -> None:
         """Raise MachineError if the key point ``name`` of the casing is not at ``y`` of the shaft's axis.

@@ -10,7 +10,6 @@ import numpy as np
 from mbd.elements.element import Element
 from mbd.elements.linear_part import Part
 from mbd.parts.coordinate_layout import Layout
-from mbd.parts.machine import Machine
 from mbd.parts.mesh_reference import nominal_forces, reference_load
 from mbd.parts.modal_basis import modal_basis
 from mbd.parts.part_checks import MachineError
@@ -27,7 +26,8 @@ class Assembly:
     """
 
     def __init__(self, lay: Layout, parts: tuple[Part, ...], band: float) -> None:
-        self.layout, self.parts, self.band, self.rolling = lay, parts, band, lay.rolling()
+        self.layout, self.machine, self.rolling = lay, lay.machine, lay.rolling()
+        self.parts, self.band = parts, band
         self.mass, self.damping, self.stiffness = (self._added(name) for name in ("mass", "damping", "stiffness"))
         self.constant_force = sum((c.constant_force(lay) for c in lay.components), np.zeros(lay.size))
         self.elements: list[Element] = []
@@ -42,11 +42,6 @@ class Assembly:
     def gyroscopic(self) -> np.ndarray:
         """G (n, n) of all parts per motor speed."""
         return self._added("gyroscopic")
-
-    @property
-    def machine(self) -> Machine:
-        """The machine that is assembled."""
-        return self.layout.machine
 
     def add(self, elements: Iterable[Element]) -> None:
         """Add elements in the given order."""

@@ -88,10 +88,6 @@ class Machine(Train):
         """The shaft called ``name``."""
         return next(s for s in self.shafts if s.name == name)
 
-    def mesh(self, name: str) -> MeshSpec:
-        """The mesh called ``name``."""
-        return next(m for m in self.meshes if m.name == name)
-
     @property
     def driven(self) -> str:
         """Name of the shaft of the first drive."""

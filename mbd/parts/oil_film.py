@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from fem.options import check_options, option
-from mbd.parts.part_checks import MachineError
+from fem.options import option
+from mbd.parts.part_checks import Options
 
 
 @dataclass(frozen=True, kw_only=True)
-class Film:
+class Film(Options):
     """Squeeze film of oil between approaching flanks, in all meshes.
 
     ``radius`` (m) is that of relative curvature at the pitch point, ``length`` (m) the total length of the contact
@@ -23,9 +23,6 @@ class Film:
     roughness: float = option(1e-6, unit="um", ge=0.05, le=100, text="least film thickness")
     radius: float
     length: float
-
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
 
     @property
     def strength(self) -> float:

@@ -14,11 +14,6 @@ from mbd.parts.part_checks import Options
 DISPLACEMENT = ":displacement_"
 
 
-def probe_channel(probe: str, axis: str) -> str:
-    """Displacement (m) along an axis, from the unloaded straight shaft."""
-    return f"{probe}{DISPLACEMENT}{axis}"
-
-
 @dataclass(frozen=True, kw_only=True)
 class Probe(Options, Component):
     """A proximity probe on the ground: displacement of the axis of a shaft along x, y and z."""
@@ -34,8 +29,8 @@ class Probe(Options, Component):
 
     @property
     def channel_names(self) -> tuple[str, ...]:
-        """Along x, y and z."""
-        return tuple(probe_channel(self.name, axis) for axis in DIRECTIONS)
+        """Displacement (m) along x, y and z, from the unloaded straight shaft."""
+        return tuple(f"{self.name}{DISPLACEMENT}{axis}" for axis in DIRECTIONS)
 
     def readings(self, lay: Coordinates) -> dict[str, Reading]:
         """Displacements of the node there."""

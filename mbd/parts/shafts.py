@@ -214,10 +214,8 @@ def shaft_nodes(spec: ShaftSpec, stations: tuple[float, ...] = ()) -> np.ndarray
             f"{1000 * spec.element_length:.4g} mm. "
             "Raise shaft_model.element_length_mm."
         )
-    nodes = [points[:1]]
-    for a, b, n in zip(points[:-1], points[1:], pieces.astype(int), strict=True):
-        nodes.append(a + (b - a) * np.arange(1, n + 1) / n)
-    return np.concatenate(nodes)
+    gaps = zip(points[:-1], points[1:], pieces.astype(int), strict=True)
+    return np.concatenate([points[:1], *(a + (b - a) * np.arange(1, n + 1) / n for a, b, n in gaps)])
 
 
 def shaft_matrices(spec: ShaftSpec, nodes: np.ndarray) -> Matrices:

@@ -4,41 +4,41 @@ from __future__ import annotations
 
 import argparse
 from collections import defaultdict
+from itertools import chain
 
-from pipelines.cli.command_line import Printed
+from pipelines.cli.command_line import Printed, argument
 from pipelines.io.argument_types import days
 
-HELP = """\
-Show the size of the cache, verify its checksums, or clear it. The cache stores the results of computed steps, which
-all scenes reuse. After clearing, runs compute these steps again. Takes seconds."""
-EXAMPLE = """\
-gearcase cache info
-...
-  casing               1 entry          0.0 MB
-...
-  all                  6 stored         6.2 MB"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """What is done, and with which entries."""
-    sub.add_argument(
+ARGUMENTS = (
+    argument(
         "action",
         choices=("info", "verify", "clear"),
         nargs="?",
         default="info",
         help="info: sizes by kind of step; verify: check and remove damaged entries; clear: remove (default info)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--older-than",
         metavar="DAYS",
         type=days,
         default=0.0,
         help="with clear: remove only entries that were not used for this number of days (default 0: all)",
-    )
+    ),
+)
 
 
 def main(options: argparse.Namespace) -> Printed:
-    """info: sizes by kind; verify: check every entry, 1 if one was damaged; clear: remove."""
+    """Show the size of the cache, verify its checksums, or clear it. The cache stores the results of computed steps,
+    which all scenes reuse. After clearing, runs compute these steps again. Takes seconds.
+
+    Example
+    -------
+    gearcase cache info
+    ...
+      casing               1 entry          0.0 MB
+    ...
+      all                  6 stored         6.2 MB
+    """
     from pipelines.engine.cache import Cache
     from pipelines.io.errors import InputError
 
@@ -63,6 +63,6 @@ def main(options: argparse.Namespace) -> Printed:
     code = [path.stat().st_size for path in cache.compiled()]
     if code:
         yield f"  {'compiled code':16} {len(code):5} files   {sum(code) / 1e6:10.1f} MB"
-    total = sum(sum(found) for found in sizes.values()) + sum(code)
-    yield f"  {'all':16} {sum(map(len, sizes.values())) + len(code):5} stored  {total / 1e6:10.1f} MB"
+    stored = [*code, *chain.from_iterable(sizes.values())]
+    yield f"  {'all':16} {len(stored):5} stored  {sum(stored) / 1e6:10.1f} MB"
     return 0

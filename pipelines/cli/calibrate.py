@@ -7,46 +7,45 @@ import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import MACHINE_HELP, campaign_arguments, scene_arguments, work_of
+from pipelines.cli.command_line import MACHINE, SCENE, argument, campaign_arguments, work_of
 from pipelines.io.argument_types import count, path
 
-HELP = """\
-Estimate free keys of a scene from recordings of one healthy machine, at the speed and load of the scene. Print mean,
-90 % interval and correlations of the posterior, the keys that cannot be identified, and how well simulated and
-recorded levels agree before and after calibration.
-Needs the extra gearcase[calibrate]. Takes minutes to hours: use --dry-run first."""
-EXAMPLE = """\
-gearcase calibrate minimal runs/minimal/2026-11-25_00-50-21 --free casing.mount_stiffness_N_per_um=100..400 --dry-run
-scenes      200
-...
-time        about 2 minutes on 2 cores: ...
-disk        about 208 MB in 600 files, 3 for each simulation"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """The scene, the recordings, and the free keys."""
-    scene_arguments(sub)
-    sub.add_argument(
+ARGUMENTS = (
+    *SCENE,
+    argument(
         "recordings",
         metavar="RECORDING",
         type=path,
         nargs="+",
         help="recording or run, also with a window, as in bench@0.5:2.5 (default: windows of the scene)",
-    )
-    sub.add_argument("--machine", metavar="FILE", type=path, help=MACHINE_HELP)
-    sub.add_argument(
+    ),
+    MACHINE,
+    argument(
         "--free",
         metavar="KEY=LOW..HIGH",
         action="append",
         default=[],
         help="key of the scene with the range of its uniform prior; repeatable",
-    )
-    sub.add_argument("--runs", metavar="N", type=count, default=200, help="simulated machines (default 200)")
-    campaign_arguments(sub, "calibrate")
+    ),
+    argument("--runs", metavar="N", type=count, default=200, help="simulated machines (default 200)"),
+    *campaign_arguments("calibrate"),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Simulate what is missing, sample the posterior, and write it with its figure."""
+    """Estimate free keys of a scene from recordings of one healthy machine, at the speed and load of the scene. Print
+    mean, 90 % interval and correlations of the posterior, the keys that cannot be identified, and how well simulated
+    and recorded levels agree before and after calibration. Needs the extra gearcase[calibrate]. Takes minutes to
+    hours: use --dry-run first.
+
+    Example
+    -------
+    gearcase calibrate minimal minimal --free casing.mount_stiffness_N_per_um=100..400 --dry-run
+    scenes      200
+    ...
+    time        about 2 minutes on 2 cores: ...
+    disk        about 208 MB in 600 files, 3 for each simulation
+    """
     from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate
     from pipelines.io.errors import SceneWarning

@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
+from pipelines.cli.command_line import JSON, WORK, argument, scene_and_work
 from pipelines.io.argument_types import count, path
 
 if TYPE_CHECKING:
@@ -21,27 +21,14 @@ if TYPE_CHECKING:
     from fem.casing.uncertainty.frequency_limits import FrequencyLimits
     from pipelines.runs.single_results import Casing
 
-HELP = """\
-Mesh the casing of a scene and reduce it to its bearing points and modes. Print these points, natural frequencies with
-uncertainty bands, and weight. --response writes frequency responses, --export the matrices or mode shapes. Takes
-seconds to minutes."""
-EXAMPLE = """\
-gearcase casing minimal
-casing rigid: 6 coordinates, 23 outputs
-...
-  bearing_1  x     0.00  y   -65.00  z     0.00 mm
-..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Of `gearcase casing`."""
-    work_arguments(sub)
-    sub.add_argument(
+ARGUMENTS = (
+    *WORK,
+    argument(
         "--error-check",
         action="store_true",
         help="compare frequencies and responses with the model before reduction; takes about as long as the reduction",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--export",
         metavar="FILE",
         type=path,
@@ -49,27 +36,39 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         default=[],
         help="write the reduced matrices as .h5, .mat, .npz, .mtx, .op4 or .pch, a modal model as .uff, or the "
         "modes on the mesh as .vtu, or a parametric housing as .step; repeatable",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--response",
         metavar="POINT",
         nargs="+",
         default=[],
         help="write frequency responses (m/s2/N, CSV and PNG). The first POINT gives place and axis of the force, as "
         "in bearing_1:z; the responses are at the other points (default: at all sensors)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--out",
         metavar="FOLDER",
         type=path,
         help="folder for the frequency responses of --response (default: the working folder)",
-    )
-    sub.add_argument("--modes", metavar="N", type=count, default=20, help="number of modes in the table (default 20)")
-    json_argument(sub)
+    ),
+    argument("--modes", metavar="N", type=count, default=20, help="number of modes in the table (default 20)"),
+    JSON,
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Build the casing; print check-up, modes with uncertainty bands and coordinates; write the requested files."""
+    """Mesh the casing of a scene and reduce it to its bearing points and modes. Print these points, natural frequencies
+    with uncertainty bands, and weight. --response writes frequency responses, --export the matrices or mode shapes.
+    Takes seconds to minutes.
+
+    Example
+    -------
+    gearcase casing minimal
+    casing rigid: 6 coordinates, 23 outputs
+    ...
+      bearing_1  x     0.00  y   -65.00  z     0.00 mm
+    ...
+    """
     from pipelines.io.errors import InputError, SceneWarning
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import writable_file, writable_folder
@@ -133,7 +132,7 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
                 else f", chosen for casing.error = {100 * casing.requested_error:.3g} %"
             )
             yield f"element size {1000 * casing.mesh.element_size:.3g} mm{asked}"
-        yield casing.checkup.report(0)
+        yield casing.checkup.report()
         yield casing_mode_table(casing.natural, count, casing.bands)
         if casing.modes.band_limit and (casing.natural.frequencies[:count] > casing.band).any():
             yield f"Modes above casing.band_Hz = {casing.band:g} Hz are approximate, and some may be missing."

@@ -6,35 +6,34 @@ import argparse
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from pipelines.cli.command_line import json_argument, scene_arguments
+from pipelines.cli.command_line import JSON, SCENE
 
 if TYPE_CHECKING:
     from pipelines.runs.checked_scene import Checked
     from pipelines.scene.load_scene import LoadedScene
 
-HELP = """\
-Check a scene file. Print ratios, frequencies, tooth forces, bearing positions, the shortest usable time windows, and
-time, memory and disk space of a run. Nothing is simulated and no file is written. Takes seconds.
-
-Symbols: a centre distance; eps_alpha, eps_beta transverse contact ratio and overlap ratio; f_m mesh frequency; f_r1,
-f_r2 revolution frequencies of pinion and wheel; F_bt force on the transverse line of action; F_t/b tangential force per
-face width."""
-EXAMPLE = """\
-gearcase check rig-missing-tooth
-Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on rope
-...
-  control: rig-healthy
-..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """A scene."""
-    scene_arguments(sub)
-    json_argument(sub)
+ARGUMENTS = (
+    *SCENE,
+    JSON,
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print ratios, frequencies, torques, cost and warnings; SceneError lists everything that does not fit."""
+    """Check a scene file. Print ratios, frequencies, tooth forces, bearing positions, the shortest usable time windows,
+    and time, memory and disk space of a run. Nothing is simulated and no file is written. Takes seconds.
+
+    Symbols: a centre distance; eps_alpha, eps_beta transverse contact ratio and overlap ratio; f_m mesh frequency;
+    f_r1, f_r2 revolution frequencies of pinion and wheel; F_bt force on the transverse line of action; F_t/b
+    tangential force per face width.
+
+    Example
+    -------
+    gearcase check rig-missing-tooth
+    Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on rope
+    ...
+      control: rig-healthy
+    ...
+    """
     from pipelines.io.json_text import json_text
     from pipelines.runs.checked_scene import check_scene
     from pipelines.scene.presets import load_requested

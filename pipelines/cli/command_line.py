@@ -1,21 +1,25 @@
 """The command line of `gearcase`: the list of its commands, their parser, and the arguments that several have.
 
-A command is the module of its name: the sentences `HELP`, an `EXAMPLE` with the main lines of what it prints (others
-are shown as ``...``), `arguments` and `main`. It is imported for that command alone, and imports nothing heavy itself
-before it runs, so that help appears at once.
+A command is the module of its name with a table `ARGUMENTS` and a function `main`. The docstring of `main` is the text
+of the help, and its section "Example" shows a command line with the main lines of what it prints (others as ``...``).
+A command such as `runs` also has a table `ACTIONS`. A module is imported for its command alone, and imports nothing
+heavy itself before it runs, so that help appears at once.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib
+import inspect
 import re
 import sys
 import textwrap
-from collections.abc import Container, Generator, Iterable, Mapping
+from collections.abc import Container, Generator, Iterable
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from pipelines.io.argument_types import count, path
+from pipelines.io.argument_types import count, from_zero, path
+from pipelines.scene.presets import PRESETS
 
 if TYPE_CHECKING:
     from pipelines.engine.run_graph import Work
@@ -54,7 +58,6 @@ COMMANDS = {  # in the order a user needs them: name, of the module too; one lin
     "completion": "print the script that completes commands in a shell",
     "cache": "print info on the cache of computed steps; verify or clear it",
 }
-MACHINE_HELP = "machine of the recording: a file with teeth, speed and sensors, or a scene"
 RUN_HELP = "result folder, scene name (its newest result), or number that `gearcase runs` prints"
 PROLOGUE = """\
 Simulate the vibration of a gearbox, healthy and damaged, from its geometry to the signals of its sensors.
@@ -75,6 +78,76 @@ first steps:
 
 Help for one command: gearcase COMMAND --help
 """
+
+Argument = tuple[tuple[str, ...], dict[str, Any]]  # what `add_argument` of argparse takes
+
+
+def argument(*names: str, **how: Any) -> Argument:
+    """An argument of a command, see `argparse.ArgumentParser.add_argument`."""
+    return names, how
+
+
+QUIET = argument("-q", "--quiet", action="store_true", help="print results, warnings and errors only")
+VERBOSE = argument(
+    "-v",
+    "--verbose",
+    action="store_true",
+    default=argparse.SUPPRESS,
+    help="log each step, and print the traceback of an error",
+)
+JSON = argument("--json", action="store_true", help="print the results as JSON, for programs")
+RUN = argument("run", metavar="RUN", type=path, help=RUN_HELP)
+RUN_FOLDER = argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./runs/<scene>/<timestamp>)")
+MACHINE = argument(
+    "--machine",
+    metavar="FILE",
+    type=path,
+    help="machine of the recording: a file with teeth, speed and sensors, or a scene",
+)
+START = argument(
+    "--start", type=from_zero, metavar="T", default=0.0, help="ignore the signals before this time, s (default 0)"
+)
+NOISE = argument(
+    "--noise", metavar="RMS", type=from_zero, default=0.0, help="add white sensor noise, m/s2 rms (default 0)"
+)
+DRY_RUN = argument(
+    "--dry-run", action="store_true", help="print number of runs, time and disk space, and simulate nothing"
+)
+SCENES_AT_ONCE = argument(
+    "--processes", type=count, metavar="N", help="scenes simulated at the same time (default: number of cores)"
+)
+STEPS_AT_ONCE = argument(
+    "--processes",
+    type=count,
+    metavar="N",
+    help="number of parts of the computation (meshes, motions, pictures) that run at the same time (default 2)",
+)
+SCENE = (  # a scene, and what is changed in it
+    argument("scene", metavar="SCENE", type=path, help="name of a shipped scene, or a path that ends in .toml"),
+    argument(
+        "--set",
+        metavar="KEY=VALUE",
+        dest="settings",
+        action="append",
+        default=[],
+        help="change one value of the scene, as in --set stages.1.face_width_mm=32; "
+        "items of a list are counted from 1; repeatable",
+    ),
+    argument(
+        "--preset",
+        choices=PRESETS,
+        help="accuracy of meshes and time step, from coarse (draft) to fine (reference); --set overrides it (default: "
+        "as in the scene)",
+    ),
+    QUIET,
+)
+WORK = (*SCENE, STEPS_AT_ONCE)  # a scene, and how its steps are built
+
+
+def campaign_arguments(study: str) -> tuple[Argument, ...]:
+    """Options of a study that simulates a campaign."""
+    folder = f"result folder (default: ./campaigns/{study}-<scene>)"
+    return argument("--out", metavar="FOLDER", type=path, help=folder), DRY_RUN, SCENES_AT_ONCE
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):
@@ -143,96 +216,36 @@ def parser(commands: Container[str] = tuple(COMMANDS)) -> Parser:
     for name, words in COMMANDS.items():
         sub = below.add_parser(name, help=words)
         if name in commands:
-            module = importlib.import_module(f"pipelines.cli.{name}")
-            module.arguments(sub)
-            _explain(sub, module.HELP, module.EXAMPLE)
+            _complete(sub, importlib.import_module(f"pipelines.cli.{name}"))
     return top
 
 
-def action_parsers(
-    sub: argparse.ArgumentParser, actions: Mapping[str, tuple[str, str, str]], **options: Any
-) -> list[argparse.ArgumentParser]:
-    """The parsers of the actions of a command such as `runs`.
-
-    Parameters
-    ----------
-    sub : parser of the command
-    actions : one line, text and example of every action, by its name
-    options : of `add_subparsers`
-    """
-    below = sub.add_subparsers(dest="action", metavar="ACTION", **options)
-    made = []
-    for name, (words, text, example) in actions.items():
-        made.append(below.add_parser(name, help=words))
-        _explain(made[-1], text, example)
-    return made
+def _complete(sub: argparse.ArgumentParser, module: ModuleType) -> None:
+    """Give the parser of a command its arguments and actions, with their texts and examples."""
+    _describe(sub, module.ARGUMENTS, *help_and_example(module))
+    for title, arguments in getattr(module, "GROUPS", {}).items():
+        group = sub.add_argument_group(title)
+        for names, how in arguments:
+            group.add_argument(*names, **how)
+    if actions := getattr(module, "ACTIONS", None):
+        default = getattr(module, "DEFAULT_ACTION", "")
+        title = f"actions (default: {default})" if default else "actions"
+        below = sub.add_subparsers(dest="action", metavar="ACTION", title=title, required=not default)
+        for name, (words, *rest) in actions.items():
+            _describe(below.add_parser(name, help=words), *rest)
 
 
-def _explain(sub: argparse.ArgumentParser, text: str, example: str) -> None:
-    """Show sentences above the options, and below them a command line with the main lines that it prints."""
+def help_and_example(module: ModuleType) -> tuple[str, str]:
+    """The text of the help of a command, and its example."""
+    text, _, example = (inspect.getdoc(module.main) or "").partition("\n\nExample\n-------\n")
+    return text, example
+
+
+def _describe(sub: argparse.ArgumentParser, arguments: Iterable[Argument], text: str, example: str) -> None:
+    """Add arguments, sentences above them, and below them a command line with the main lines that it prints."""
+    for names, how in (*arguments, VERBOSE):
+        sub.add_argument(*names, **how)
     sub.description, sub.epilog = text, "example:\n" + textwrap.indent(example, "  ")
-    sub.add_argument(
-        "-v",
-        "--verbose",
-        action="store_true",
-        default=argparse.SUPPRESS,
-        help="log each step, and print the traceback of an error",
-    )
-
-
-def campaign_arguments(sub: argparse.ArgumentParser, study: str) -> None:
-    """Options of a study that simulates a campaign."""
-    sub.add_argument("--out", metavar="FOLDER", type=path, help=f"result folder (default: ./campaigns/{study}-<scene>)")
-    sub.add_argument(
-        "--dry-run", action="store_true", help="print number of runs, time and disk space, and simulate nothing"
-    )
-    sub.add_argument(
-        "--processes", type=count, metavar="N", help="scenes simulated at the same time (default: number of cores)"
-    )
-
-
-def scene_arguments(sub: argparse.ArgumentParser) -> None:
-    """A scene, and what is changed in it."""
-    from pipelines.scene.presets import PRESETS
-
-    sub.add_argument("scene", metavar="SCENE", type=path, help="name of a shipped scene, or a path that ends in .toml")
-    sub.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        dest="settings",
-        action="append",
-        default=[],
-        help="change one value of the scene, as in --set stages.1.face_width_mm=32; "
-        "items of a list are counted from 1; repeatable",
-    )
-    sub.add_argument(
-        "--preset",
-        choices=PRESETS,
-        help="accuracy of meshes and time step, from coarse (draft) to fine (reference); --set overrides it (default: "
-        "as in the scene)",
-    )
-    quiet_argument(sub)
-
-
-def work_arguments(sub: argparse.ArgumentParser) -> None:
-    """A scene, and how its steps are built."""
-    scene_arguments(sub)
-    sub.add_argument(
-        "--processes",
-        type=count,
-        metavar="N",
-        help="number of parts of the computation (meshes, motions, pictures) that run at the same time (default 2)",
-    )
-
-
-def out_argument(sub: argparse.ArgumentParser) -> None:
-    """--out of a run."""
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./runs/<scene>/<timestamp>)")
-
-
-def run_argument(sub: argparse.ArgumentParser) -> None:
-    """A finished run."""
-    sub.add_argument("run", metavar="RUN", type=path, help=RUN_HELP)
 
 
 def scene_and_work(options: argparse.Namespace) -> tuple[LoadedScene, Work]:
@@ -255,13 +268,3 @@ def announce(options: argparse.Namespace) -> None:
 
     if not options.quiet:
         sys.stderr.write(f"gearcase {options.command} {shown(str(options.scene))}\n")
-
-
-def json_argument(sub: argparse.ArgumentParser) -> None:
-    """--json."""
-    sub.add_argument("--json", action="store_true", help="print the results as JSON, for programs")
-
-
-def quiet_argument(sub: argparse.ArgumentParser) -> None:
-    """--quiet."""
-    sub.add_argument("-q", "--quiet", action="store_true", help="print results, warnings and errors only")

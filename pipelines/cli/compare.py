@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.cli.command_line import MACHINE_HELP
+from pipelines.cli.command_line import MACHINE, argument
 from pipelines.io.argument_types import count, path
 from pipelines.io.errors import InputError
 from pipelines.io.shown_text import shown
 from pipelines.io.user_files import is_regular_file, writable_folder, write_whole
 from pipelines.runs import run_folder
-from pipelines.runs.judged_recording import machine_of, recording_and_window, requested_windows
+from pipelines.runs.recorded_file import machine_of, recording_and_window, requested_windows
 
 if TYPE_CHECKING:
     from pipelines.diagnosis.comparison.compared_features import Features
@@ -22,54 +22,41 @@ if TYPE_CHECKING:
 
 MOST_NAME = 60  # characters of the name of a recording in a table
 FOLDER = "comparison"
-HELP = """\
-Compare recordings, measured or simulated. Print a table of features and write it as CSV. Write figures of order
-spectra, envelope spectra and time-synchronous averages. The first recording is the reference. Takes seconds."""
-EXAMPLE = """\
-gearcase compare bench@0.5:0.9 bench@0.9:1.3
-   recording               s  turns   rpm  f_m Hz  samples/s  speed from
--  -------------  ----------  -----  ----  ------  ---------  -------------------------
-A  bench@0.5:0.9  0.5 to 0.9   10.0  1500     625      12800  recorded angle of shaft_1
-B  bench@0.9:1.3  0.9 to 1.3   10.0  1500     625      12800  recorded angle of shaft_1
-...
-comparison/features.csv"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Recordings, and what of them is shown."""
-    sub.add_argument(
+ARGUMENTS = (
+    argument(
         "recordings",
         metavar="RECORD",
         type=path,
         nargs="+",
         help="2 to 10 recording files, or runs by folder, scene name or number; add a time window by its name or in s, "
         "as in bench@steady or bench@0.5:2.5",
-    )
-    sub.add_argument(
-        "--machine",
-        metavar="FILE",
-        type=path,
-        help=MACHINE_HELP,
-    )
-    sub.add_argument("--sensor", metavar="NAME", help="sensor in the figures (default: that with the highest level)")
-    sub.add_argument(
-        "--axis", choices=("x", "y", "z"), help="axis of the sensor (default: that with the highest level)"
-    )
-    sub.add_argument(
+    ),
+    MACHINE,
+    argument("--sensor", metavar="NAME", help="sensor in the figures (default: that with the highest level)"),
+    argument("--axis", choices=("x", "y", "z"), help="axis of the sensor (default: that with the highest level)"),
+    argument(
         "--shaft",
         metavar="N",
         type=count,
         help="number of the shaft of the time-synchronous averages (default: that whose features differ most)",
-    )
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for figures and CSV (default: ./comparison)")
+    ),
+    argument("--out", metavar="FOLDER", type=path, help="folder for figures and CSV (default: ./comparison)"),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the speeds and the table of features; write that as CSV, and the figures.
+    """Compare recordings, measured or simulated. Print a table of features and write it as CSV. Write figures of order
+    spectra, envelope spectra and time-synchronous averages. The first recording is the reference. Takes seconds.
 
-    Raises
-    ------
-    InputError : a recording or its machine cannot be used, or they have nothing in common
+    Example
+    -------
+    gearcase compare bench@0.5:0.9 bench@0.9:1.3
+       recording               s  turns   rpm  f_m Hz  samples/s  speed from
+    -  -------------  ----------  -----  ----  ------  ---------  -------------------------
+    A  bench@0.5:0.9  0.5 to 0.9   10.0  1500     625      12800  recorded angle of shaft_1
+    B  bench@0.9:1.3  0.9 to 1.3   10.0  1500     625      12800  recorded angle of shaft_1
+    ...
+    comparison/features.csv
     """
     from pipelines.diagnosis.comparison.compared_features import features_of
     from pipelines.diagnosis.comparison.compared_recording import brought_together, chosen_channel

@@ -5,31 +5,24 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
+from pipelines.cli.command_line import argument, parser
+
 SHELLS = ("bash", "zsh", "tcsh")  # that shtab supports
-HELP = """\
-Print the script by which a shell completes commands, options and file names. For bash, write it to
-~/.local/share/bash-completion/completions/gearcase; for zsh, to a file _gearcase in a folder of `fpath`."""
-EXAMPLE = """\
-gearcase completion bash
-...
-_shtab_gearcase_runs_subparsers=(list open compare clean)
-..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the argument: the shell."""
-    sub.add_argument("shell", metavar="SHELL", choices=SHELLS, help=f"shell: {', '.join(SHELLS)}")
+ARGUMENTS = (argument("shell", metavar="SHELL", choices=SHELLS, help=f"shell: {', '.join(SHELLS)}"),)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the script for a shell.
+    """Print the script by which a shell completes commands, options and file names. For bash, write it to
+    ~/.local/share/bash-completion/completions/gearcase; for zsh, to a file _gearcase in a folder of `fpath`.
 
-    In bash: ``gearcase completion bash > ~/.local/share/bash-completion/completions/gearcase``; in zsh: into a file
-    ``_gearcase`` of a folder of ``fpath``.
+    Example
+    -------
+    gearcase completion bash
+    ...
+    _shtab_gearcase_runs_subparsers=(list open compare clean)
+    ...
     """
     import shtab
-
-    from pipelines.cli.command_line import parser
 
     top = parser()
     _complete_files(top, shtab.FILE)

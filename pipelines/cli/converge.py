@@ -5,52 +5,51 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from pipelines.cli.command_line import scene_and_work, work_arguments
+from pipelines.cli.command_line import WORK, argument, scene_and_work
 from pipelines.io.argument_types import count, picture, share
 from pipelines.studies.trade.refinement_axes import AXES
 
-HELP = """\
-Compute a scene with several values of one setting. Print the observed order of convergence, the
-extrapolated value and the uncertainty band of each result, and write a plot. Takes seconds to minutes per value."""
-EXAMPLE = """\
-gearcase converge minimal --over step
-...
-The setting in use is fine enough for 1 %: the widest uncertainty band is 0.1 % (sensor_3 rms, lifting).
-...
-plot: convergence-minimal-step.png"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """What is refined, and how far."""
-    work_arguments(sub)
-    sub.add_argument(
+ARGUMENTS = (
+    *WORK,
+    argument(
         "--over",
         choices=tuple(AXES),
         required=True,
         help="setting to refine: element size of the gears, slices of the face, positions in the mesh cycle, element "
         "size or number of modes of the casing, element length of the shafts, or time step",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--levels",
         type=count,
         metavar="N",
         default=3,
         help="number of values of the setting, 3 or more: the value of the scene, a finer one and coarser ones "
         "(default 3)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--error", type=share, metavar="E", default=0.01, help="target error, a fraction or as in 1%% (default 1%%)"
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--out",
         type=picture,
         metavar="FILE",
         help="plot, .png, .svg or .pdf (default: ./convergence-<scene>-<setting>.png)",
-    )
+    ),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Refine along one axis; print order, limit, uncertainty band and a verdict; write the plot."""
+    """Compute a scene with several values of one setting. Print the observed order of convergence, the
+    extrapolated value and the uncertainty band of each result, and write a plot. Takes seconds to minutes per value.
+
+    Example
+    -------
+    gearcase converge minimal --over step
+    ...
+    The setting in use is fine enough for 1 %: the widest uncertainty band is 0.1 % (sensor_3 rms, lifting).
+    ...
+    plot: convergence-minimal-step.png
+    """
     from pipelines.io.user_files import writable_file
     from pipelines.report.figures.frame_files import save_figure
     from pipelines.studies.trade.line_uncertainty import line_uncertainty

@@ -6,19 +6,54 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import Printed, action_parsers, quiet_argument
-from pipelines.io.argument_types import from_zero, part, path, positive, whole
+from pipelines.cli.command_line import NOISE, QUIET, START, Printed, argument
+from pipelines.io.argument_types import part, path, positive, whole
 
-HELP = "Summarise, check or export a data set of `gearcase campaign`. Takes seconds to minutes."
-EXAMPLE = """\
-gearcase dataset info campaigns/plan
-...
-  labels   6 healthy
-  split    4 train, 2 test; 6 groups of one scene, all with the same pair of gears (deviations.seed is constant)
-..."""
-ACTIONS = {  # one line; text; example with what it prints
+_FOLDER = argument("folder", metavar="FOLDER", type=path, help="folder of the data set, as in campaigns/plan")
+_EXPORT = (
+    _FOLDER,
+    argument(
+        "--to",
+        dest="form",
+        choices=("csv", "mat", "npz", "hdf5"),
+        required=True,
+        help="file format; npz and hdf5 write one file, csv and mat one file for each run and labels.csv",
+    ),
+    argument("--out", metavar="PATH", type=path, help="file, or folder for csv and mat (default: in the data set)"),
+    argument(
+        "--split",
+        metavar="PART",
+        nargs="+",
+        default=[],
+        help="parts of the split to write: train, validation or test (default: all)",
+    ),
+    argument(
+        "--label",
+        metavar="LABEL",
+        nargs="+",
+        default=[],
+        help="labels whose runs are written, as in healthy (default: all)",
+    ),
+    argument("--sensors", metavar="NAME", nargs="+", default=[], help="sensors to write (default: all)"),
+    START,
+    argument(
+        "--seconds", metavar="T", type=positive, help="length of a piece, s (default: the whole run after --start)"
+    ),
+    argument(
+        "--overlap",
+        metavar="S",
+        type=part,
+        default=0.0,
+        help="overlap of neighbouring pieces: 0 to below 1, or as in 50%% (default 0)",
+    ),
+    NOISE,
+    argument("--seed", metavar="N", type=whole, default=0, help="seed of the noise (default 0)"),
+)
+ARGUMENTS = ()
+ACTIONS = {  # one line; arguments; text; example with what it prints
     "info": (
         "print runs, labels, split and variables",
+        (_FOLDER,),
         """\
 Print the numbers of runs by label and by part of the split (train, validation, test), and the range of each variable.
 Runs of the same pair of gears are a group, which the split keeps together. Can be used while the campaign is running.
@@ -34,6 +69,7 @@ gearcase dataset info campaigns/plan
     ),
     "check": (
         "check that signals, labels and table agree",
+        (_FOLDER, QUIET),
         """\
 Check the signals against their checksums, and the table of runs and labels against the plan. Print what is wrong and
 what to do; the exit code is then 1. Takes seconds to minutes.""",
@@ -43,6 +79,7 @@ gearcase dataset check campaigns/plan
     ),
     "export": (
         "write runs, or pieces of them, with labels for other programs",
+        _EXPORT,
         """\
 Write runs, or pieces of them of equal length, with their labels to a file for other programs. The data set itself is
 not changed. Takes seconds to minutes.""",
@@ -54,63 +91,17 @@ gearcase dataset export campaigns/plan --to npz --split train --seconds 0.25 --n
 }
 
 
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the actions info, check and export with their arguments."""
-    actions = action_parsers(sub, ACTIONS, title="actions", required=True)
-    for action in actions:
-        action.add_argument("folder", metavar="FOLDER", type=path, help="folder of the data set, as in campaigns/plan")
-    _, check, export = actions
-    quiet_argument(check)
-    _export_arguments(export)
-
-
-def _export_arguments(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "--to",
-        dest="form",
-        choices=("csv", "mat", "npz", "hdf5"),
-        required=True,
-        help="file format; npz and hdf5 write one file, csv and mat one file for each run and labels.csv",
-    )
-    sub.add_argument(
-        "--out", metavar="PATH", type=path, help="file, or folder for csv and mat (default: in the data set)"
-    )
-    sub.add_argument(
-        "--split",
-        metavar="PART",
-        nargs="+",
-        default=[],
-        help="parts of the split to write: train, validation or test (default: all)",
-    )
-    sub.add_argument(
-        "--label",
-        metavar="LABEL",
-        nargs="+",
-        default=[],
-        help="labels whose runs are written, as in healthy (default: all)",
-    )
-    sub.add_argument("--sensors", metavar="NAME", nargs="+", default=[], help="sensors to write (default: all)")
-    sub.add_argument(
-        "--start", type=from_zero, metavar="T", default=0.0, help="ignore the signals before this time, s (default 0)"
-    )
-    sub.add_argument(
-        "--seconds", metavar="T", type=positive, help="length of a piece, s (default: the whole run after --start)"
-    )
-    sub.add_argument(
-        "--overlap",
-        metavar="S",
-        type=part,
-        default=0.0,
-        help="overlap of neighbouring pieces: 0 to below 1, or as in 50%% (default 0)",
-    )
-    sub.add_argument(
-        "--noise", metavar="RMS", type=from_zero, default=0.0, help="add white sensor noise, m/s2 rms (default 0)"
-    )
-    sub.add_argument("--seed", metavar="N", type=whole, default=0, help="seed of the noise (default 0)")
-
-
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Run the action on a data set; 1 if the check finds an error."""
+    """Summarise, check or export a data set of `gearcase campaign`. Takes seconds to minutes.
+
+    Example
+    -------
+    gearcase dataset info campaigns/plan
+    ...
+      labels   6 healthy
+      split    4 train, 2 test; 6 groups of one scene, all with the same pair of gears (deviations.seed is constant)
+    ...
+    """
     return {"info": _info, "check": _check, "export": _export}[options.action](options)
 
 

@@ -4,34 +4,21 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
+from typing import Any
 
-from pipelines.cli.command_line import scene_and_work, work_arguments
+from pipelines.cli.command_line import WORK, argument, scene_and_work
 from pipelines.io.argument_types import count, from_zero, path, positive
 
-HELP = """\
-Search for the best flank modifications of a stage: tip reliefs of both gears, or what --vary gives, also the numbers of
-teeth and other values of the stage. Print the best candidates, with values rounded to the steps of --vary, and the
-settings of the best design for each objective. A repeated search continues where it ended. Takes seconds for nominal
-pairs, and minutes with --samples."""
-EXAMPLE = """\
-gearcase design bench --vary both.tip_relief.amount_um=0:30:2 --vary both.tip_relief.length_mm=0.5:4:0.5
-...
---set stages.1.pinion.tip_relief.amount_um=...
-..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Variables, objectives, limits and loads; defaults are those of `DesignOptions`."""
-    work_arguments(sub)
-    sub.add_argument(
+ARGUMENTS = (  # defaults are those of `DesignOptions`
+    *WORK,
+    argument(
         "--out",
         metavar="FILE",
         type=path,
         help="HTML page with the Pareto front, the transmission error before and after, and TOML to paste",
-    )
-    sub.argument_default = argparse.SUPPRESS
-    sub.add_argument("--stage", metavar="N", type=count, help="number of the stage (default 1)")
-    sub.add_argument(
+    ),
+    argument("--stage", metavar="N", type=count, help="number of the stage (default 1)"),
+    argument(
         "--vary",
         metavar="KEY=VALUES",
         action="append",
@@ -39,8 +26,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "a value of the stage, as face_width_mm=18:24:2 (also teeth, module, angles, profile shifts), at constant "
         "centre distance; default steps 1 um and 0.1 mm; repeatable (default: tip reliefs of both gears, amounts up to "
         "the deflection)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--minimize",
         metavar="NAME",
         nargs="+",
@@ -48,48 +35,60 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "(amplitude of a mesh order), pressure, root-stress, load-factor, level (rms acceleration of the sensors at "
         "the mesh orders), level-SENSOR, ratio-error (%% of the ratio of the scene); with a statistic over the samples "
         "as in te:q90 (default te)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--limit",
         metavar="TEXT",
         action="append",
         dest="limits",
         help='limit, as in "pressure <= 1200" (MPa); repeatable',
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--torque",
         metavar="N_M",
         type=positive,
         nargs="+",
         dest="torques",
         help="torques on the pinion, N m (default: 25, 50, 75 and 100 %% of that of the scene)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--samples",
         metavar="N",
         type=count,
         help="number of pairs with random profile and helix deviations of ISO 1328-1, in the class of the scene, also "
         "if deviations.enabled is false (default: the nominal pair only). To vary only the misalignment, add --set "
         "deviations.include=[]",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--misalignment",
         metavar="UM",
         type=from_zero,
         help="largest misalignment of these pairs over the face width, um (default 0)",
-    )
-    sub.add_argument("--seed", metavar="N", type=count, help="seed of search and deviations (default 1)")
-    sub.add_argument(
+    ),
+    argument("--seed", metavar="N", type=count, help="seed of search and deviations (default 1)"),
+    argument(
         "--evaluations",
         metavar="N",
         type=count,
         help="evaluate all combinations if there are at most N (default 2000); else use a genetic algorithm, which "
         "needs pip install 'gearcase[design]'",
-    )
+    ),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Search; print the table and the settings of the best designs, write the page."""
+    """Search for the best flank modifications of a stage: tip reliefs of both gears, or what --vary gives, also the
+    numbers of teeth and other values of the stage. Print the best candidates, with values rounded to the steps of
+    --vary, and the settings of the best design for each objective. A repeated search continues where it ended. Takes
+    seconds for nominal pairs, and minutes with --samples.
+
+    Example
+    -------
+    gearcase design bench --vary both.tip_relief.amount_um=0:30:2 --vary both.tip_relief.length_mm=0.5:4:0.5
+    ...
+    --set stages.1.pinion.tip_relief.amount_um=...
+    ...
+    """
     from dataclasses import fields
 
     from pipelines.io.user_files import writable_file
@@ -98,7 +97,10 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 
     target = None if options.out is None else writable_file(options.out, endings=(".html",))
     loaded, work = scene_and_work(options)
-    given = {one.name: getattr(options, one.name) for one in fields(DesignOptions) if hasattr(options, one.name)}
+    known = {one.name for one in fields(DesignOptions)}
+    given: dict[str, Any] = {
+        name: value for name, value in vars(options).items() if name in known and value is not None
+    }
     if "misalignment" in given:
         given["misalignment"] *= 1e-6
     found = design_study(loaded, DesignOptions(**given), work)

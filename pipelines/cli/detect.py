@@ -6,58 +6,53 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import campaign_arguments, scene_arguments, work_of
+from pipelines.cli.command_line import SCENE, argument, campaign_arguments, work_of
 from pipelines.io.argument_types import count, from_zero
 
-HELP = """\
-Simulate healthy and damaged machines with different deviations. Print and write the probability of detection and
-the rate of false alarms over damage size, sensor noise and sensors. Takes minutes to hours: use --dry-run first."""
-EXAMPLE = """\
-gearcase detect bench --over faults.1.depth_mm=0.5:3:0.5 --dry-run
-scenes      88
-labels      60 chipped-tooth, 28 healthy
-...
-time        about 4 minutes on 2 cores: ...
-disk        about 324 MB in 440 files, 5 for each simulation"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Damage, noise, and how many machines."""
-    scene_arguments(sub)
-    sub.add_argument(
+ARGUMENTS = (
+    *SCENE,
+    argument(
         "--over",
         metavar="KEY=VALUES",
         action="append",
         default=[],
         help="values of a key of the scene, as KEY=from:to:step or KEY=a,b,c; repeatable (default: the fault as in the "
         "scene)",
-    )
-    sub.add_argument(
-        "--seeds", metavar="N", type=count, default=10, help="damaged machines for each value (default 10)"
-    )
-    sub.add_argument(
-        "--baseline", metavar="N", type=count, default=8, help="healthy machines to compare with (default 8)"
-    )
-    sub.add_argument(
+    ),
+    argument("--seeds", metavar="N", type=count, default=10, help="damaged machines for each value (default 10)"),
+    argument("--baseline", metavar="N", type=count, default=8, help="healthy machines to compare with (default 8)"),
+    argument(
         "--healthy",
         metavar="N",
         type=count,
         default=20,
         help="further healthy machines, for the rate of false alarms (default 20)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--noise",
         metavar="RMS",
         type=from_zero,
         nargs="+",
         default=[],
         help="sensor noise, m/s2 rms; several values need no further simulations (default: that of the scene)",
-    )
-    campaign_arguments(sub, "detect")
+    ),
+    *campaign_arguments("detect"),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Simulate what is missing; print the probabilities and write them with their figure."""
+    """Simulate healthy and damaged machines with different deviations. Print and write the probability of detection and
+    the rate of false alarms over damage size, sensor noise and sensors. Takes minutes to hours: use --dry-run first.
+
+    Example
+    -------
+    gearcase detect bench --over faults.1.depth_mm=0.5:3:0.5 --dry-run
+    scenes      88
+    labels      60 chipped-tooth, 28 healthy
+    ...
+    time        about 4 minutes on 2 cores: ...
+    disk        about 324 MB in 440 files, 5 for each simulation
+    """
     from pipelines.datasets.campaign import run_campaign
     from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate

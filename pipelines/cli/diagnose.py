@@ -6,74 +6,68 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import MACHINE_HELP, RUN_HELP, json_argument
+from pipelines.cli.command_line import JSON, MACHINE, RUN_HELP, argument
 from pipelines.io.argument_types import number, path
 
-HELP = """\
-Find the damaged component from vibration. A measured recording is compared with recordings of healthy machines
-(--baseline). A finished run is compared with its healthy control, and the spectral lines of both are listed.
-Several recordings give a table; those that cannot be used are refused in it. Nothing is simulated. Takes seconds."""
-EXAMPLE = """\
-gearcase diagnose bench
-Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque load, deviations of seed 1): ...
-...
-line                  Hz  faulty m/s²  healthy m/s²  difference dB  over floor dB  healthy over floor dB  mark
-...
-envelope f_r      10.081       0.0224       0.00656          +10.7          +28.7                  +22.8  detected
-..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments: a recording or a run, its machine, and healthy recordings."""
-    sub.add_argument(
+ARGUMENTS = (
+    argument(
         "records",
         metavar="RECORD",
         type=path,
         nargs="+",
         help=f"recording file, {RUN_HELP}; add a time window by its name or in s, as in bench@0.5:2.5",
-    )
-    sub.add_argument(
-        "--machine",
-        metavar="FILE",
-        type=path,
-        help=MACHINE_HELP,
-    )
-    sub.add_argument(
+    ),
+    MACHINE,
+    argument(
         "--baseline",
         metavar="RECORD",
         type=path,
         nargs="+",
         default=[],
         help="recordings of healthy machines to compare with; limits need 5 or more",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--window",
         metavar=("START", "END"),
         type=number,
         nargs=2,
         help="time window to analyse, s (default: the windows of the scene, or the whole recording)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--out",
         metavar="FOLDER",
         type=path,
         help="folder for report.html: verdict, levels, features, spectra of the recording and of the first healthy "
         "one; for several recordings the trend, and a folder 1, 2, ... with the report of each",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--set",
         metavar="KEY=VALUE",
         dest="settings",
         action="append",
         default=[],
         help="change a setting of the diagnosis of a run, as in --set diagnosis.sensor=sensor_5; repeatable",
-    )
-    json_argument(sub)
+    ),
+    JSON,
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the verdict and the tables of recordings, or of a run compared with its control, without simulation."""
-    from pipelines.runs.judged_recording import recording_and_window
+    """Find the damaged component from vibration. A measured recording is compared with recordings of healthy machines
+    (--baseline). A finished run is compared with its healthy control, and the spectral lines of both are listed.
+    Several recordings give a table; those that cannot be used are refused in it. Nothing is simulated. Takes seconds.
+
+    Example
+    -------
+    gearcase diagnose bench
+    Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque load, deviations of seed 1): ...
+    ...
+    line                  Hz  faulty m/s²  healthy m/s²  difference dB  over floor dB  healthy over floor dB  mark
+    ...
+    envelope f_r      10.081       0.0224       0.00656          +10.7          +28.7                  +22.8  detected
+    ...
+    """
+    from pipelines.runs.recorded_file import recording_and_window
     from pipelines.runs.run_folder import RESPONSE
 
     path, asked = recording_and_window(options.records[0])
@@ -91,16 +85,9 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.shown_text import shown
     from pipelines.io.text_table import WIDTH
     from pipelines.io.user_files import writable_folder
-    from pipelines.runs.judged_recording import (
-        courses_of,
-        file_facts,
-        file_words,
-        files_grid,
-        judge_files,
-        notes_of,
-        order_of,
-        recorded_parts,
-    )
+    from pipelines.runs.judged_recording import courses_of, judge_files, notes_of, order_of
+    from pipelines.runs.judged_words import file_facts, file_words, files_grid
+    from pipelines.runs.recorded_file import recorded_parts
 
     if options.settings:
         raise InputError(
@@ -163,8 +150,7 @@ def _run(options: argparse.Namespace, folder: Path) -> Iterator[str]:
     with opened_run(folder / RESPONSE) as run:
         measured = levels(run, found.settings.windows)
     if options.json:
-        facts = bars if isinstance(bars, str) else bars.to_dict()
-        own = {"error_bars": facts, "levels": measured}
+        own = {"error_bars": bars, "levels": measured}
         yield json_text({"verdict": answered["cases"]} | diagnosis_facts([found]) | own)
     else:
         answer = answered["words"] or f"No verdict: {answered['failure']}\n"

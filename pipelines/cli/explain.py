@@ -5,29 +5,26 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from pipelines.cli.command_line import scene_arguments
+from pipelines.cli.command_line import SCENE
 
-HELP = """\
-Print which steps of a run would be reused from the cache, which would be computed, and which changed setting is the
-reason. Nothing is computed and no file is written. Takes seconds."""
-EXAMPLE = """\
-gearcase explain bench
-First run: the cache holds no results of a similar scene to compare with.
-...
-compute  law_1
-..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """A scene."""
-    scene_arguments(sub)
+ARGUMENTS = (*SCENE,)
 
 
 _WORDS = {"reuse": "reuse", "build": "compute", "follow": "perhaps"}
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print one line per step, with what changed since a scene like this one was run; nothing is built."""
+    """Print which steps of a run would be reused from the cache, which would be computed, and which changed setting is
+    the reason. Nothing is computed and no file is written. Takes seconds.
+
+    Example
+    -------
+    gearcase explain bench
+    First run: the cache holds no results of a similar scene to compare with.
+    ...
+    compute  law_1
+    ...
+    """
     from pipelines.engine.cache import Cache
     from pipelines.engine.step import explain
     from pipelines.scene.presets import load_requested

@@ -5,31 +5,30 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from pipelines.cli.command_line import run_argument
+from pipelines.cli.command_line import RUN, argument
 from pipelines.io.argument_types import path
 
-HELP = (
-    "Write the signals of a finished run as a CSV, MATLAB or universal file (UFF 58) for other programs. Takes seconds."
-)
-EXAMPLE = """\
-gearcase export minimal --to mat
-runs/minimal/2026-11-25_00-50-21/response.mat"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """A run and the format of the file."""
-    run_argument(sub)
-    sub.add_argument("--to", dest="form", choices=("csv", "mat", "uff"), required=True, help="file format")
-    sub.add_argument(
+ARGUMENTS = (
+    RUN,
+    argument("--to", dest="form", choices=("csv", "mat", "uff"), required=True, help="file format"),
+    argument(
         "--out",
         metavar="FILE",
         type=path,
         help="file to write (default: response.csv, .mat or .uff in the result folder)",
-    )
+    ),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write response.csv, response.mat or response.uff."""
+    """Write the signals of a finished run as a CSV, MATLAB or universal file (UFF 58) for other programs. Takes
+    seconds.
+
+    Example
+    -------
+    gearcase export minimal --to mat
+    runs/minimal/2026-11-25_00-50-21/response.mat
+    """
     from pipelines.diagnosis.result_export import export
     from pipelines.io.errors import InputError
     from pipelines.io.shown_text import shown

@@ -7,53 +7,48 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import MACHINE_HELP, quiet_argument
+from pipelines.cli.command_line import MACHINE, NOISE, QUIET, START, argument
 from pipelines.io.argument_types import count, from_zero, path
 
-HELP = """\
-Compute the features of recordings, finished runs or a data set: a row for each channel, component and feature, with
-value, unit and level. Names and definitions are the same for all. Without --out the table is printed as CSV; that of a
-data set is written to features.parquet in its folder. Takes seconds, for a data set minutes."""
-EXAMPLE = """\
-gearcase features bench
-recording,sensor,axis,component,feature,unit,value,level_dB
-...
-bench,motor_side,x,stage 1 pinion,fm4,1,...
-..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments: sources, machine, window, noise and file."""
-    sub.add_argument(
+ARGUMENTS = (
+    argument(
         "sources",
         metavar="PATH",
         type=path,
         nargs="+",
         help="recording, folder of recordings, run (also with a window, as in bench@0.5:2.5), or folder of a data set",
-    )
-    sub.add_argument("--machine", metavar="FILE", type=path, help=MACHINE_HELP)
-    sub.add_argument(
-        "--start", type=from_zero, metavar="T", default=0.0, help="ignore the signals before this time, s (default 0)"
-    )
-    sub.add_argument(
+    ),
+    MACHINE,
+    START,
+    argument(
         "--end",
         type=from_zero,
         metavar="T",
         default=math.inf,
         help="ignore the signals after this time, s (default: their end)",
-    )
-    sub.add_argument(
-        "--noise", metavar="RMS", type=from_zero, default=0.0, help="add white sensor noise, m/s2 rms (default 0)"
-    )
-    sub.add_argument("--out", metavar="FILE", type=path, help="file to write, which ends in .parquet or .csv")
-    sub.add_argument(
+    ),
+    NOISE,
+    argument("--out", metavar="FILE", type=path, help="file to write, which ends in .parquet or .csv"),
+    argument(
         "--processes", type=count, metavar="N", help="signals processed at the same time (default: number of cores)"
-    )
-    quiet_argument(sub)
+    ),
+    QUIET,
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write or print the table."""
+    """Compute the features of recordings, finished runs or a data set: a row for each channel, component and feature,
+    with value, unit and level. Names and definitions are the same for all. Without --out the table is printed as CSV;
+    that of a data set is written to features.parquet in its folder. Takes seconds, for a data set minutes.
+
+    Example
+    -------
+    gearcase features bench
+    recording,sensor,axis,component,feature,unit,value,level_dB
+    ...
+    bench,motor_side,x,stage 1 pinion,fm4,1,...
+    ...
+    """
     from pipelines.datasets.feature_source import ENDINGS, FEATURES, FeatureSource, write_features
     from pipelines.datasets.workers import local_workers
     from pipelines.engine.progress import reported_count

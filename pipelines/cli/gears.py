@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
+from pipelines.cli.command_line import JSON, WORK, argument, scene_and_work
 from pipelines.io.argument_types import path, picture, positive, tilt
 
 if TYPE_CHECKING:
@@ -17,32 +17,17 @@ if TYPE_CHECKING:
     from pipelines.scene.load_scene import LoadedScene
     from pipelines.steps.pair_curves import PairLaws
 
-HELP = """\
-Compute the mesh stiffness, transmission error and load sharing of every gear pair, healthy and faulty, from the
-first to the last contact of one tooth. --plot plots the transmission error, --out writes the curves; `gearcase design`
-searches for reliefs and crownings. Takes seconds, and up to a minute for each pair with the mesh model `solid`."""
-EXAMPLE = """\
-gearcase gears pair --torque 50 100 --plot te.png
-...
-stage  torque N m  flanks      order 1 um  order 2 um  order 3 um  order 4 um  order 5 um
------  ----------  ----------  ----------  ----------  ----------  ----------  ----------
-    1          50  unmodified      0.9229      0.6531      0.4129      0.1859    0.009963
-...
-te.png"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Of `gearcase gears`."""
-    work_arguments(sub)
-    sub.add_argument(
+ARGUMENTS = (
+    *WORK,
+    argument(
         "--torque",
         metavar="N_M",
         type=positive,
         nargs="+",
         help="torques on the pinion of each pair, N m, as in --torque 50 100 200 (default: that of the scene, or of "
         "100 N/mm if it has no load)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--tilt",
         metavar="UM",
         type=tilt,
@@ -50,8 +35,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         help="misalignment of the flanks over the face width: a number in um (positive: closer at the +y end), "
         "balanced (the load is centred on the face) or machine (as in the loaded machine; without --torque); default "
         "0. The misalignment of the scene is always added",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--out",
         metavar="FILE",
         type=path,
@@ -59,15 +44,15 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "position in mesh cycles. At position 0 a tooth, in damaged states the damaged one, makes contact at the pitch "
         "point. Columns: secant and tangent stiffness; transmission error under load and without load; tilt; for each "
         "tooth pair (+0: this tooth, +1: the next) its share of the load and largest Hertz pressure",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--plot",
         metavar="FILE",
         type=picture,
         help="plot the transmission error over the mesh cycle, and its orders, to this file: .png, .svg or .pdf. "
         "Curves: with modifications, without them, and while damaged teeth are in mesh",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--map",
         metavar="FILE",
         type=path,
@@ -76,12 +61,27 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         help="write results of healthy pairs to these files, .png, .svg, .pdf or .nc. Over the torque: "
         "transmission error and its mesh orders. Along the face: pressure, line load (K_H beta), root stress (model "
         "`solid`, about 9 s for each pair) and contact pattern",
-    )
-    json_argument(sub)
+    ),
+    JSON,
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Build the laws; print stiffness, transmission error, share and pressure of each pair, healthy and faulty."""
+    """Compute the mesh stiffness, transmission error and load sharing of every gear pair, healthy and faulty, from the
+    first to the last contact of one tooth. --plot plots the transmission error, --out writes the curves; `gearcase
+    design` searches for reliefs and crownings. Takes seconds, and up to a minute for each pair with the mesh model
+    `solid`.
+
+    Example
+    -------
+    gearcase gears pair --torque 50 100 --plot te.png
+    ...
+    stage  torque N m  flanks      order 1 um  order 2 um  order 3 um  order 4 um  order 5 um
+    -----  ----------  ----------  ----------  ----------  ----------  ----------  ----------
+        1          50  unmodified      0.9229      0.6531      0.4129      0.1859    0.009963
+    ...
+    te.png
+    """
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
     from pipelines.io.text_table import grid

@@ -9,100 +9,98 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pipelines.cli.command_line import argument
 from pipelines.io.argument_types import count, path, positive
 
 if TYPE_CHECKING:
     from fem.casing.recognition.housing_contents import GeometryContents
     from fem.casing.recognition.shaft_fit import ShaftFit
 
-HELP = """\
-Read a housing from a CAD file, a mesh, or stiffness and mass matrices. Print its solids and bores, or a check of the
-matrices. Write a picture and an HTML page of the solids and bores. With --scene, choose the bores that hold the
-bearings (bearing seats), and write them to housing.toml. Takes seconds."""
-EXAMPLE = """\
-gearcase housing rig-housing.step --scene rig-healthy
-...
-bore  solid  diameter mm  length mm         middle mm     axis  arc deg
-----  -----  -----------  ---------  ----------------  -------  -------
-   1      1      95.0000     30.000  315.686, -135, 0  0, 1, 0      360
-...
-rig-housing-housing/housing.toml
-..."""
 
 _LENGTHS = ("m", "cm", "mm", "um", "inch")
 _SYSTEMS = ("kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s")
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments of `gearcase housing`."""
-    sub.add_argument(
+ARGUMENTS = (
+    argument(
         "file",
         metavar="FILE",
         type=path,
         help="CAD file (STEP, BREP, IGES, STL), mesh, or matrices (.op4 .pch .mtx .sti .npz .h5)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--scene",
         metavar="SCENE",
         type=path,
         help="choose the bores for the bearings of this scene, and write the table [casing.housing] for it",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--unit",
         metavar="UNIT",
         choices=(*_LENGTHS, *_SYSTEMS),
         help=f"unit of FILE. CAD file or mesh: {', '.join(_LENGTHS)} (default: the unit that the file declares, else "
         f"mm). Matrices: units of mass, length and time, as {', '.join(_SYSTEMS)} (default {_SYSTEMS[0]}); lbf-in-s "
         "has the unit of force instead of mass",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--solids",
         metavar="N",
         type=count,
         nargs="+",
         default=[],
         help="numbers of the solids whose bores may be chosen (default: all)",
-    )
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./<file>-housing)")
-    matrices = sub.add_argument_group("matrices of another program")
-    matrices.add_argument(
-        "--mass", metavar="FILE", type=path, help="mass matrix, if FILE holds the stiffness matrix only"
-    )
-    matrices.add_argument(
+    ),
+    argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./<file>-housing)"),
+)
+_MATRICES = (
+    argument("--mass", metavar="FILE", type=path, help="mass matrix, if FILE holds the stiffness matrix only"),
+    argument(
         "--nodes",
         metavar="FILE",
         type=path,
         help="file with the node coordinates: rows of number, x, y, z; GRID cards of Nastran; *NODE of Abaqus",
-    )
-    matrices.add_argument(
+    ),
+    argument(
         "--equations",
         metavar="FILE",
         type=path,
         help="file with the order of the equations: rows of node and axis (1 to 6; 0: modal); .mapping of Ansys; EXTRN "
         "cards of Nastran",
-    )
-    matrices.add_argument(
+    ),
+    argument(
         "--keep",
         metavar="NODE",
         type=count,
         nargs="+",
         default=[],
         help="reduce the matrices to these nodes, and write the reduced matrices",
-    )
-    matrices.add_argument(
-        "--hold", metavar="NODE", type=count, nargs="+", default=[], help="nodes that are fixed to the ground"
-    )
-    matrices.add_argument(
+    ),
+    argument("--hold", metavar="NODE", type=count, nargs="+", default=[], help="nodes that are fixed to the ground"),
+    argument(
         "--band",
         metavar="HZ",
         type=positive,
         default=2000.0,
         help="upper frequency of the reduced matrices, Hz (default 2000)",
-    )
+    ),
+)
+GROUPS = {"matrices of another program": _MATRICES}
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the solids, the seats and the block, and write the picture, the page and the block."""
+    """Read a housing from a CAD file, a mesh, or stiffness and mass matrices. Print its solids and bores, or a check of
+    the matrices. Write a picture and an HTML page of the solids and bores. With --scene, choose the bores that hold
+    the bearings (bearing seats), and write them to housing.toml. Takes seconds.
+
+    Example
+    -------
+    gearcase housing rig-housing.step --scene rig-healthy
+    ...
+    bore  solid  diameter mm  length mm         middle mm     axis  arc deg
+    ----  -----  -----------  ---------  ----------------  -------  -------
+       1      1      95.0000     30.000  315.686, -135, 0  0, 1, 0      360
+    ...
+    rig-housing-housing/housing.toml
+    ...
+    """
     from fem.casing.imported.matrix_files import SUFFIXES
     from pipelines.io.errors import InputError
     from pipelines.scene.shipped_files import find_file

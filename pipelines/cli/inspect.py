@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
+from pipelines.cli.command_line import JSON, WORK, argument, scene_and_work
 from pipelines.io.argument_types import count, mode_number, number, path, positive
 
 if TYPE_CHECKING:
@@ -19,67 +19,63 @@ if TYPE_CHECKING:
     from pipelines.machine.machine_model import MachineModel
     from pipelines.runs.inspect_gears import InspectedStage
 
-HELP = """\
-Write pictures of a gear pair in mesh with its stiffness curve and contact pattern, and of the casing mesh.
---stress, --mesh and --casing-mode write other pictures or files instead. Takes seconds, and up to minutes with the
-mesh model `solid`."""
-EXAMPLE = """\
-gearcase inspect minimal --position 0
-gears_1.png
-mesh_1.png
-pattern_1.png
-casing rigid: no mesh to show"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments of `gearcase inspect`."""
-    work_arguments(sub)
-    sub.add_argument(
+ARGUMENTS = (
+    *WORK,
+    argument(
         "--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: the working folder)"
-    )
-    sub.add_argument("--stage", type=count, metavar="N", default=1, help="gear stage to show (default 1)")
-    sub.add_argument(
+    ),
+    argument("--stage", type=count, metavar="N", default=1, help="gear stage to show (default 1)"),
+    argument(
         "--torque",
         metavar="N_M",
         type=positive,
         help="torque on the pinion of this stage, N m (default: that of the scene)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--position",
         type=number,
         metavar="C",
         help="show only this position, in mesh cycles; at position N the damaged tooth N makes contact at the pitch "
         "point (default: an animation over one mesh cycle)",
-    )
-    sub.add_argument(
-        "--frames", type=count, metavar="N", default=17, help="number of pictures in the animation (default 17)"
-    )
-    sub.add_argument(
+    ),
+    argument("--frames", type=count, metavar="N", default=17, help="number of pictures in the animation (default 17)"),
+    argument(
         "--stress",
         action="store_true",
         help="show the von Mises stress of the loaded teeth instead, by the model `solid` (PNG), and print the largest "
         "root stress of each gear at this position of the mesh cycle (--position)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--mesh",
         metavar="FILE",
         type=path,
         help="write the hexahedral mesh of the loaded teeth instead, .vtu, .inp, .msh or .bdf",
-    )
-    sub.add_argument("--screen", action="store_true", help="open a window with a slider for the position instead")
-    sub.add_argument(
+    ),
+    argument("--screen", action="store_true", help="open a window with a slider for the position instead"),
+    argument(
         "--casing-mode",
         type=mode_number,
         metavar="N",
         help="show natural mode N of the casing instead (PNG, GIF and HTML); all: sheets of 24 modes up "
         "to casing.band_Hz (PNG)",
-    )
-
-    json_argument(sub)
+    ),
+    JSON,
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write the pictures of a stage and, of a meshed casing, casing.png; print why a picture is not rendered."""
+    """Write pictures of a gear pair in mesh with its stiffness curve and contact pattern, and of the casing mesh.
+    --stress, --mesh and --casing-mode write other pictures or files instead. Takes seconds, and up to minutes with
+    the mesh model `solid`.
+
+    Example
+    -------
+    gearcase inspect minimal --position 0
+    gears_1.png
+    mesh_1.png
+    pattern_1.png
+    casing rigid: no mesh to show
+    """
     from pipelines.io.errors import InputError
     from pipelines.io.user_files import writable_folder
     from pipelines.machine.checks.strength import refuse_overload

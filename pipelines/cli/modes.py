@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
+from pipelines.cli.command_line import JSON, WORK, argument, scene_and_work
 from pipelines.io.argument_types import number, positive
 
 if TYPE_CHECKING:
@@ -15,48 +15,47 @@ if TYPE_CHECKING:
     from pipelines.io.text_table import Grid
     from pipelines.machine.machine_model import MachineModel
 
-HELP = """\
-Linearise the loaded machine about its static equilibrium. Print natural frequencies, damping and the share of each
-part in the total energy of each mode. The column `dominant` names the part with the largest share of the strain energy;
-for casing and rope the mean of strain and kinetic share is used instead. Takes seconds if the cache
-holds mesh stiffness and casing."""
-EXAMPLE = """\
-gearcase modes minimal
-minimal: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle 0
-mode  frequency Hz  damping ratio %  shafts %  bearings %  casing %  drive %  mesh 1 %  dominant
-...
-   1        112.84            6.186      58.1         4.3       0.3     34.8       2.5  motor coupling
-...
-mesh 1: force 1061 N, tangent stiffness 146.9 N/um
-..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """A scene, and the state about which it is linearised."""
-    work_arguments(sub)
-    sub.add_argument("--up-to", metavar="HZ", type=positive, default=10e3, help="highest frequency, Hz (default 10000)")
-    sub.add_argument(
+ARGUMENTS = (
+    *WORK,
+    argument("--up-to", metavar="HZ", type=positive, default=10e3, help="highest frequency, Hz (default 10000)"),
+    argument(
         "--cycle",
         metavar="C",
         type=number,
         help="position of stage 1, in mesh cycles; at position N the damaged tooth N makes contact at the pitch point "
         "(default: that at the start of the simulation)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--speed",
         type=number,
         default=0.0,
         metavar="RPM",
         help="motor speed for losses and gyroscopic moments, rpm (default 0)",
-    )
-    json_argument(sub)
+    ),
+    JSON,
+)
 
 
 KINDS = {"shaft": "shafts", "bearing": "bearings", "casing": "casing", "rope": "rope", "drive": "drive"}
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Build laws and casing, linearise the machine at rest under its load, print its modes."""
+    """Linearise the loaded machine about its static equilibrium. Print natural frequencies, damping and the share of
+    each part in the total energy of each mode. The column `dominant` names the part with the largest share of the
+    strain energy; for casing and rope the mean of strain and kinetic share is used instead. Takes seconds if the
+    cache holds mesh stiffness and casing.
+
+    Example
+    -------
+    gearcase modes minimal
+    minimal: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle 0
+    mode  frequency Hz  damping ratio %  shafts %  bearings %  casing %  drive %  mesh 1 %  dominant
+    ...
+       1        112.84            6.186      58.1         4.3       0.3     34.8       2.5  motor coupling
+    ...
+    mesh 1: force 1061 N, tangent stiffness 146.9 N/um
+    ...
+    """
     from pipelines.io.json_text import json_text
     from pipelines.runs.single_results import build_machine_modes, scene_graph
 

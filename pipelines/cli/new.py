@@ -5,31 +5,31 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
+from pipelines.cli.command_line import argument
 from pipelines.io.argument_types import path
 
-HELP = """\
-Write a commented scene file as a start for your own. The source is a shipped scene, your own scene, or a gear unit
-in REXS. An existing file is never overwritten. Takes seconds."""
-EXAMPLE = """\
-gearcase new my.toml --from bench
-my.toml written from bench. Change it, then: gearcase check my.toml"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments: the file, and the scene or gear unit that it is copied from."""
-    sub.add_argument("file", metavar="FILE", type=path, help="scene file to write, ending in .toml; it must not exist")
-    sub.add_argument(
+ARGUMENTS = (
+    argument("file", metavar="FILE", type=path, help="scene file to write, ending in .toml; it must not exist"),
+    argument(
         "--from",
         metavar="SOURCE",
         type=path,
         dest="source",
         default="bench",
         help="scene to copy, or gear unit in REXS: .rexs, .rexsj or .rexsz (default: bench)",
-    )
+    ),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write the file and print the next step; for a gear unit in REXS also what is missing or was assumed."""
+    """Write a commented scene file as a start for your own. The source is a shipped scene, your own scene, or a gear
+    unit in REXS. An existing file is never overwritten. Takes seconds.
+
+    Example
+    -------
+    gearcase new my.toml --from bench
+    my.toml written from bench. Change it, then: gearcase check my.toml
+    """
     from pipelines.rexs.files import is_rexs
 
     step = "Change it"

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.cli.command_line import MACHINE_HELP, RUN_HELP, quiet_argument
+from pipelines.cli.command_line import MACHINE, QUIET, RUN_HELP, argument
 from pipelines.io.argument_types import count, path, positive, several
 from pipelines.io.errors import InputError
 from pipelines.runs import run_folder
@@ -25,66 +25,56 @@ if TYPE_CHECKING:
 STEADY = 0.01  # relative range of the speeds up to which amplitudes over speed have no meaning
 SPEEDS = 9  # at which a Campbell diagram has natural frequencies
 AXES = ("x", "y", "z")
-HELP = """\
-Analyse the run-up or coast-down of a finished run or a recording by orders of a shaft. Print the highest amplitude of
-each order. Write pictures of the order spectra over speed, and of the amplitude of each order over speed. Takes
-seconds."""
-EXAMPLE = """\
-gearcase orders reducer
-input-bearing z over the orders of shaft 1, 11 windows
-  order  highest m/s2  at rpm   at Hz
--------  ------------  ------  ------
-...
-     46        0.0944    1470  1126.7
-...
-runs/reducer/2026-11-25_01-02-30/orders.png
-..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments: a run or a recording, the sensor, and the orders."""
-    sub.add_argument(
-        "run", metavar="RECORD", type=path, help=f"recording file, {RUN_HELP}; add a window as in bench@0.5:2.5"
-    )
-    sub.add_argument("--machine", metavar="FILE", type=path, help=MACHINE_HELP)
-    sub.add_argument(
+ARGUMENTS = (
+    argument("run", metavar="RECORD", type=path, help=f"recording file, {RUN_HELP}; add a window as in bench@0.5:2.5"),
+    MACHINE,
+    argument(
         "--shaft",
         metavar="N",
         type=count,
         help="number of the shaft whose speed is order 1 (default: the shaft that the motor drives)",
-    )
-    sub.add_argument(
-        "--sensor", metavar="NAME", help="sensor to analyse (default: that of the diagnosis, or the first)"
-    )
-    sub.add_argument("--axis", choices=("x", "y", "z"), help="axis of the sensor (default: that of the diagnosis)")
-    sub.add_argument(
+    ),
+    argument("--sensor", metavar="NAME", help="sensor to analyse (default: that of the diagnosis, or the first)"),
+    argument("--axis", choices=("x", "y", "z"), help="axis of the sensor (default: that of the diagnosis)"),
+    argument(
         "--orders",
         metavar="K",
         type=positive,
         nargs="+",
         default=[],
         help="orders whose amplitudes are shown over speed (default: the first two mesh orders of each stage)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--revolutions",
         metavar="N",
         type=several,
         default=16,
         help="revolutions in the window of a spectrum, 2 or more (default 16)",
-    )
-    sub.add_argument("--campbell", action="store_true", help="add a Campbell diagram: natural frequencies over speed")
-    sub.add_argument(
+    ),
+    argument("--campbell", action="store_true", help="add a Campbell diagram: natural frequencies over speed"),
+    argument(
         "--out", metavar="FOLDER", type=path, help="folder for the pictures (default: the folder of the run or file)"
-    )
-    quiet_argument(sub)
+    ),
+    QUIET,
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write the pictures of a run-up to the folder of its signals, and print the highest amplitude of each order.
+    """Analyse the run-up or coast-down of a finished run or a recording by orders of a shaft. Print the highest
+    amplitude of each order. Write pictures of the order spectra over speed, and of the amplitude of each order over
+    speed. Takes seconds.
 
-    Raises
-    ------
-    InputError : the run has no run-up to show, or the folder cannot be written
+    Example
+    -------
+    gearcase orders reducer
+    input-bearing z over the orders of shaft 1, 11 windows
+      order  highest m/s2  at rpm   at Hz
+    -------  ------------  ------  ------
+    ...
+         46        0.0944    1470  1126.7
+    ...
+    runs/reducer/2026-11-25_01-02-30/orders.png
+    ...
     """
     import numpy as np
 
@@ -93,7 +83,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.user_files import writable_folder
     from pipelines.machine.machine_conversion import make_drivetrain
     from pipelines.report.figures.order_plots import campbell_figure, cuts_figure, waterfall_figure
-    from pipelines.runs.judged_recording import recording_and_window
+    from pipelines.runs.recorded_file import recording_and_window
     from pipelines.signals.orders.order_spectra import OrderError, frequency_waterfall, order_waterfall
 
     (source, asked), work = recording_and_window(options.run), Work(quiet=options.quiet)
@@ -205,7 +195,7 @@ def _read_file(options: argparse.Namespace, windowed: bool) -> _RunUp:
     InputError : no such shaft, sensor or axis; the recording or its machine cannot be used
     """
     from pipelines.diagnosis.comparison.compared_recording import chosen_channel
-    from pipelines.runs.judged_recording import recorded_parts
+    from pipelines.runs.recorded_file import recorded_parts
 
     part = recorded_parts([options.run], options.machine, None)[0]
     inside = (part.time >= part.windows[0].start) & (part.time <= part.windows[0].end) | (not windowed)

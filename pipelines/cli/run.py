@@ -7,55 +7,54 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import announce, out_argument, scene_and_work, work_arguments
+from pipelines.cli.command_line import RUN_FOLDER, WORK, announce, argument, scene_and_work
 from pipelines.io.argument_types import count
 
-HELP = """\
-Simulate the machine and its healthy control, diagnose the fault from the signals and write a report.
-The result folder holds report.html, response.nc (the signals), the diagnosis and the settings.
-Takes seconds for the scenes `minimal` and `bench`, and less than a minute for `rig-missing-tooth`. The first run after
-installation also compiles code, which takes 20 seconds more. Results of earlier runs are reused from the cache."""
-EXAMPLE = """\
-gearcase run bench
-Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque load, deviations of seed 1): ...
-...
-report: runs/bench/2026-11-25_01-02-13/report.html
-..."""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """A scene, its result folder, and what else is simulated."""
-    work_arguments(sub)
-    out_argument(sub)
-    sub.add_argument(
+ARGUMENTS = (
+    *WORK,
+    RUN_FOLDER,
+    argument(
         "--no-control",
         action="store_true",
         help="do not simulate the healthy control; there is no diagnosis without it",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--one-load",
         action="store_true",
         help="simulate the load of the scene only (default: also a constant torque in place of a suspended load)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--seeds",
         metavar="N",
         type=count,
         default=0,
         help="also simulate the scene and its control with the deviations of each seed from 1 to N, and without "
         "deviations (default: only with the seed of the scene)",
-    )
-    sub.add_argument(
+    ),
+    argument(
         "--baseline",
         metavar="N",
         type=count,
         default=0,
         help="compare the machine with N healthy ones, which have other deviations; limits need 5 or more (default 0)",
-    )
+    ),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Run the scene; print the verdict and where the report is."""
+    """Simulate the machine and its healthy control, diagnose the fault from the signals and write a report. The result
+    folder holds report.html, response.nc (the signals), the diagnosis and the settings. Takes seconds for the scenes
+    `minimal` and `bench`, and less than a minute for `rig-missing-tooth`. The first run after installation also
+    compiles code, which takes 20 seconds more. Results of earlier runs are reused from the cache.
+
+    Example
+    -------
+    gearcase run bench
+    Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque load, deviations of seed 1): ...
+    ...
+    report: runs/bench/2026-11-25_01-02-13/report.html
+    ...
+    """
     announce(options)
     from pipelines.runs.run import run_scene
     from pipelines.runs.run_folder import REPORT

@@ -6,9 +6,8 @@ import argparse
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from pipelines.cli.command_line import RUN_HELP, action_parsers, json_argument, run_argument
+from pipelines.cli.command_line import JSON, RUN, RUN_HELP, argument
 from pipelines.io.argument_types import count, days, path
 from pipelines.io.errors import InputError
 from pipelines.io.json_text import json_text
@@ -18,24 +17,13 @@ from pipelines.runs.kept_runs import KeptRun, differing, kept_run, kept_runs, ru
 from pipelines.runs.removed_runs import remove_runs, runs_to_remove
 from pipelines.runs.run_folder import REPORT, RESPONSE, ROOT, find_run, finished_runs, opened_run
 
-if TYPE_CHECKING:
-    import numpy as np
-
-
-HELP = (
-    "List the finished runs under ./runs, open the report of one, compare several, or remove old ones. Takes seconds."
-)
-EXAMPLE = """\
-gearcase runs clean --keep 1
-Runs, newest first
-run  scene                 folder     age   MB  differs in  verdict
----  -------  -------------------  ------  ---  ----------  -------------
-  4  bench    2026-11-25_01-01-40  28 min  3.5  -           not diagnosed
-  5  minimal  2026-11-25_00-50-21  40 min  5.6  -           not diagnosed
-Nothing was removed. To remove these runs, repeat the command with --yes."""
-ACTIONS = {  # one line; text; example with what it prints
+_JSON = argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the table as JSON")
+ARGUMENTS = (JSON,)
+DEFAULT_ACTION = "list"
+ACTIONS = {  # one line; arguments; text; example with what it prints
     "list": (
         "list the runs under ./runs, newest first",
+        (argument("scene", metavar="SCENE", nargs="?", help="list only the runs of this scene"), _JSON),
         "List the finished runs under ./runs, newest first, with the settings in which they differ.",
         """\
 gearcase runs list minimal
@@ -47,6 +35,7 @@ run  scene                 folder     age   MB  differs in               verdict
     ),
     "open": (
         "open the report of a run in the browser",
+        (RUN,),
         "Open the report of a run in the browser, and print its path.",
         """\
 gearcase runs open bench
@@ -54,6 +43,7 @@ runs/bench/2026-11-25_01-02-13/report.html""",
     ),
     "compare": (
         "compare verdicts, settings and sensor levels of runs",
+        (argument("runs", metavar="RUN", type=path, nargs="+", help=RUN_HELP), _JSON),
         "Print the verdicts, the settings that differ and the sensor levels of several runs in one table.",
         """\
 gearcase runs compare 1 5
@@ -67,6 +57,12 @@ sensor_3, m/s2 rms  1.227           1.538
     ),
     "clean": (
         "show which runs would be removed; with --yes remove them",
+        (
+            argument("runs", metavar="RUN", type=path, nargs="*", help=RUN_HELP),
+            argument("--older-than", metavar="DAYS", type=days, help="only runs older than this, days"),
+            argument("--keep", metavar="N", type=count, help="keep the newest N runs of each scene"),
+            argument("--yes", action="store_true", help="remove the runs (default: only list them)"),
+        ),
         """\
 Show which runs would be removed. With --yes, remove them with all their files. A run is chosen if it meets all
 conditions given: it is named, older than --older-than, and not among the newest --keep of its scene.""",
@@ -77,35 +73,34 @@ gearcase runs clean 5 --yes
 }
 
 
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the actions list (the default), open, compare and clean with their arguments."""
-    json_argument(sub)
-    sub.set_defaults(scene=None)
-    listing, opened, compared, clean = action_parsers(sub, ACTIONS, title="actions (default: list)")
-    listing.add_argument("scene", metavar="SCENE", nargs="?", help="list only the runs of this scene")
-    listing.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the list as JSON")
-    run_argument(opened)
-    compared.add_argument("runs", metavar="RUN", type=path, nargs="+", help=RUN_HELP)
-    compared.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the table as JSON")
-    clean.add_argument("runs", metavar="RUN", type=path, nargs="*", help=RUN_HELP)
-    clean.add_argument("--older-than", metavar="DAYS", type=days, help="only runs older than this, days")
-    clean.add_argument("--keep", metavar="N", type=count, help="keep the newest N runs of each scene")
-    clean.add_argument("--yes", action="store_true", help="remove the runs (default: only list them)")
-
-
 DAY = 86400.0  # s
 LONGEST = 60  # characters of a value in the table of compared runs
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Run the action on the runs in ./runs."""
-    return {"list": _list, "open": _open, "compare": _compare, "clean": _clean}[options.action or "list"](options)
+    """List the finished runs under ./runs, open the report of one, compare several, or remove old ones. Takes
+    seconds.
+
+    Example
+    -------
+    gearcase runs clean --keep 1
+    Runs, newest first
+    run  scene                 folder     age   MB  differs in  verdict
+    ---  -------  -------------------  ------  ---  ----------  -------------
+      4  bench    2026-11-25_01-01-40  28 min  3.5  -           not diagnosed
+      5  minimal  2026-11-25_00-50-21  40 min  5.6  -           not diagnosed
+    Nothing was removed. To remove these runs, repeat the command with --yes.
+    """
+    return {"list": _list, "open": _open, "compare": _compare, "clean": _clean}[options.action or DEFAULT_ACTION](
+        options
+    )
 
 
 def _list(options: argparse.Namespace) -> Iterator[str]:
     found = kept_runs(ROOT)
-    if options.scene is not None:
-        found = tuple(run for run in found if run.scene == options.scene)
+    scene = getattr(options, "scene", None)  # of the action, if it is given
+    if scene is not None:
+        found = tuple(run for run in found if run.scene == scene)
     if options.json:
         unlike = differing(found)
         rows = [
@@ -117,7 +112,7 @@ def _list(options: argparse.Namespace) -> Iterator[str]:
     elif found:
         yield run_grid(found).to_text()
     else:
-        yield f"No runs under ./{ROOT}{'' if options.scene is None else f'/{options.scene}'}."
+        yield f"No runs under ./{ROOT}{'' if scene is None else f'/{scene}'}."
 
 
 def _open(options: argparse.Namespace) -> Iterator[str]:
@@ -185,6 +180,5 @@ def sensor_levels(folder: Path) -> dict[str, float]:
     with opened_run(folder / RESPONSE) as run:
         if "acceleration" not in run:
             return {}
-        values: np.ndarray = run.acceleration.transpose("sensor", "time", "axis").values
-        names = [str(name) for name in run.sensor.values]
-    return {name: float((one**2).sum(axis=1).mean() ** 0.5) for name, one in zip(names, values, strict=True)}
+        rms = (run.acceleration**2).sum("axis").mean("time") ** 0.5
+        return {str(name): float(level) for name, level in zip(run.sensor.values, rms.values, strict=True)}

@@ -5,23 +5,21 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
+from pipelines.cli.command_line import argument
 from pipelines.io.argument_types import path
 
-HELP = (
-    "Print the JSON schema of scene files, with which an editor completes and checks keys and values. Takes a second."
-)
-EXAMPLE = """\
-gearcase schema --out scene.schema.json
-scene.schema.json"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """The file."""
-    sub.add_argument("--out", metavar="FILE", type=path, help="file to write (default: print the schema)")
+ARGUMENTS = (argument("--out", metavar="FILE", type=path, help="file to write (default: print the schema)"),)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the schema, or write it to a file."""
+    """Print the JSON schema of scene files, with which an editor completes and checks keys and values. Takes a
+    second.
+
+    Example
+    -------
+    gearcase schema --out scene.schema.json
+    scene.schema.json
+    """
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import writable_file, write_whole

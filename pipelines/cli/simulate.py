@@ -5,25 +5,24 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from pipelines.cli.command_line import announce, out_argument, scene_and_work, work_arguments
+from pipelines.cli.command_line import RUN_FOLDER, WORK, announce, scene_and_work
 
-HELP = """\
-Simulate the machine and write its signals to response.nc in a result folder, by default under ./runs.
-There is no healthy control, no diagnosis and no report. Takes seconds for the scene `minimal`, and up to minutes for
-the scenes `rig-...`."""
-EXAMPLE = """\
-gearcase simulate minimal
-signals: runs/minimal/2026-11-25_00-50-21/response.nc"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """A scene, and its result folder."""
-    work_arguments(sub)
-    out_argument(sub)
+ARGUMENTS = (
+    *WORK,
+    RUN_FOLDER,
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Run the machine and write response.nc; no control, diagnosis or report."""
+    """Simulate the machine and write its signals to response.nc in a result folder, by default under ./runs. There
+    is no healthy control, no diagnosis and no report. Takes seconds for the scene `minimal`, and up to minutes
+    for the scenes `rig-...`.
+
+    Example
+    -------
+    gearcase simulate minimal
+    signals: runs/minimal/2026-11-25_00-50-21/response.nc
+    """
     announce(options)
     from pipelines.runs.run import run_scene
     from pipelines.runs.run_folder import RESPONSE

@@ -6,45 +6,44 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import campaign_arguments, scene_arguments, work_of
+from pipelines.cli.command_line import SCENE, argument, campaign_arguments, work_of
 from pipelines.io.argument_types import count, path
 from pipelines.signals.features.definitions import BY_NAME
 
-HELP = """\
-Simulate machines of a population that differ from the scene. Print and write the median and the 90 % interval of every
-feature, and first-order Sobol indices: which property of the machines makes the variance. Repeat the command to
-continue after an interruption. Takes minutes to hours: use --dry-run first."""
-EXAMPLE = """\
-gearcase spread minimal --dry-run
-scenes      100
-...
-time        about 34 s on 2 cores: ...
-disk        about 22.5 MB in 300 files, 3 for each simulation"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """The scene, the population, and how many machines."""
-    scene_arguments(sub)
-    sub.add_argument(
+ARGUMENTS = (
+    *SCENE,
+    argument(
         "--over",
         metavar="PLAN",
         type=path,
         help="plan of a campaign whose variables are the population (default: scatter as in docs/campaigns.md)",
-    )
-    sub.add_argument("--machines", metavar="N", type=count, help="number of machines (default: that of PLAN, or 100)")
-    sub.add_argument(
+    ),
+    argument("--machines", metavar="N", type=count, help="number of machines (default: that of PLAN, or 100)"),
+    argument(
         "--feature",
         metavar="NAME",
         action="append",
         choices=[*BY_NAME],
         default=[],
         help="feature of the figure, as in docs/features.md; repeatable (default: those with the widest intervals)",
-    )
-    campaign_arguments(sub, "spread")
+    ),
+    *campaign_arguments("spread"),
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Simulate what is missing; print the summary and write table and figure."""
+    """Simulate machines of a population that differ from the scene. Print and write the median and the 90 % interval of
+    every feature, and first-order Sobol indices: which property of the machines makes the variance. Repeat the
+    command to continue after an interruption. Takes minutes to hours: use --dry-run first.
+
+    Example
+    -------
+    gearcase spread minimal --dry-run
+    scenes      100
+    ...
+    time        about 34 s on 2 cores: ...
+    disk        about 22.5 MB in 300 files, 3 for each simulation
+    """
     from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate
     from pipelines.io.user_files import whole_file

@@ -5,47 +5,37 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from pipelines.cli.command_line import quiet_argument, work_of
-from pipelines.io.argument_types import count, path, several
+from pipelines.cli.command_line import QUIET, STEPS_AT_ONCE, argument, work_of
+from pipelines.io.argument_types import path, several
 from pipelines.scene.presets import PRESETS
 
-HELP = """\
-Check the claims of a published study of a quay-crane hoist with a missing tooth. Print each claim with its limit,
-simulate the 8 scenes of the study with each seed, and print whether each claim holds.
-With --out, write claims.md and claims.json. Takes about 2 minutes on two cores, and longer with an empty cache."""
-EXAMPLE = """\
-gearcase verify rig --out claims
-...
-claims/claims.md
-claims/claims.json"""
-
-
-def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the arguments: the study, the number of seeds, and the preset."""
-    sub.add_argument("what", metavar="WHAT", choices=("rig",), help="study to check: rig, the quay-crane hoist rig")
-    sub.add_argument(
-        "--seeds", type=several, metavar="N", default=5, help="seeds of the deviations, 2 or more (default 5)"
-    )
-    sub.add_argument(
+ARGUMENTS = (
+    argument("what", metavar="WHAT", choices=("rig",), help="study to check: rig, the quay-crane hoist rig"),
+    argument("--seeds", type=several, metavar="N", default=5, help="seeds of the deviations, 2 or more (default 5)"),
+    argument(
         "--preset",
         choices=PRESETS,
         default="standard",
         help="accuracy of meshes and time step, from coarse (draft) to fine (reference) (default standard)",
-    )
-    sub.add_argument(
-        "--out", metavar="FOLDER", type=path, help="folder for claims.md and claims.json (default: print only)"
-    )
-    sub.add_argument(
-        "--processes",
-        type=count,
-        metavar="N",
-        help="number of parts of the computation (meshes, motions, pictures) that run at the same time (default 2)",
-    )
-    quiet_argument(sub)
+    ),
+    argument("--out", metavar="FOLDER", type=path, help="folder for claims.md and claims.json (default: print only)"),
+    STEPS_AT_ONCE,
+    QUIET,
+)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the claims and their limits, simulate the cases, and print the verdicts, or write them to a folder."""
+    """Check the claims of a published study of a quay-crane hoist with a missing tooth. Print each claim with its
+    limit, simulate the 8 scenes of the study with each seed, and print whether each claim holds. With --out,
+    write claims.md and claims.json. Takes about 2 minutes on two cores, and longer with an empty cache.
+
+    Example
+    -------
+    gearcase verify rig --out claims
+    ...
+    claims/claims.md
+    claims/claims.json
+    """
     from pipelines.engine.code_version import library_versions
     from pipelines.io.user_files import writable_folder
     from pipelines.studies.verification import claims_output

@@ -5,11 +5,14 @@ from __future__ import annotations
 import itertools
 import time
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from fem.processes.executor import ProcessEnded
 from fem.storage import shown_html
@@ -17,11 +20,11 @@ from pipelines.datasets.campaign_scenes import SampledScene, sampled_scenes, sce
 from pipelines.datasets.card import write_card
 from pipelines.datasets.expressions import ExpressionError
 from pipelines.datasets.folder import begin, disk_errors, find_begun, held, identity_facts
-from pipelines.datasets.job import Done, Job, row_head, work
+from pipelines.datasets.job import Job, keep, row_head, work
 from pipelines.datasets.plan import Plan
-from pipelines.datasets.rows import FAILED, numbers, read_rows, row_path, sweep_rows, write_row, write_table
+from pipelines.datasets.rows import FAILED, numbers, read_rows, row_path, sweep_rows, write_table
 from pipelines.datasets.signal_layout import RunLayout, run_layout
-from pipelines.datasets.store import sweep, write_run
+from pipelines.datasets.store import sweep
 from pipelines.datasets.worker_cache import WorkerCache
 from pipelines.datasets.workers import Workers, lost
 from pipelines.engine.progress import reported_count
@@ -31,7 +34,6 @@ from pipelines.io.errors import InputError, SceneError, WorkError
 from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.checks.cost import cost
 from pipelines.machine.checks.cost import words as size_words
-from pipelines.machine.machine_model import MachineModel
 from pipelines.scene.load_scene import LoadedScene
 from pipelines.steps.machine_steps import machine_steps
 from pipelines.steps.motion import moved
@@ -41,6 +43,7 @@ _LAYOUT_SAMPLES = 4
 _IN_FLIGHT = 2  # scenes per worker that are handed out
 MOST_BYTES = 1e9  # of the signals of one run in the memory of a worker
 MOST_DEATHS = 3  # of processes with one scene in them, before the scene counts as failed
+_Result = tuple[dict[str, Any], Mapping[str, np.ndarray] | None]  # of `work`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,24 +62,19 @@ class Finished:
     workers: int
     warnings: tuple[str, ...] = ()
 
-    @property
-    def share(self) -> float:
-        """Time of the workers that went into the time loop: scenes per hour against those of the bare loop."""
-        return self.loop_seconds / (self.seconds * self.workers) if self.simulated else 0.0
-
     def _repr_html_(self) -> str:
         """The lines at the end, for a notebook."""
         return shown_html.table("Campaign", (), ((line,) for line in self.lines()))
 
     def lines(self) -> list[str]:
         """What the command prints at the end."""
-        counted = f"{self.runs} scenes, {self.simulated} simulated now"
         failed = f", {self.failed} of them failed (see the column reason of rows.parquet)" if self.failed else ""
-        out = [f"{counted}{failed}"]
+        out = [f"{self.runs} scenes, {self.simulated} simulated now{failed}"]
         if self.simulated:
+            share = self.loop_seconds / (self.seconds * self.workers)  # scenes per hour against those of the bare loop
             out.append(
                 f"{3600.0 * self.simulated / self.seconds:.0f} scenes per hour with {self.workers} workers; "
-                f"{100 * self.share:.0f} % of their time is time integration"
+                f"{100 * share:.0f} % of their time is time integration"
             )
         return [*out, *(f"warning: {text}" for text in self.warnings), f"data set: {self.folder}"]
 
@@ -114,7 +112,9 @@ def run_campaign(
             known = begin(folder, plan, first.resolved(), sampled, layout, facts), layout
         identity, layout = known
         if retry:
-            _forget_failed(folder)
+            for row in read_rows(folder):
+                if row["status"] == FAILED:
+                    row_path(folder, row["run"]).unlink()
         stored = numbers(folder)
         left = [one for one in sampled if one.run not in stored]
         start, loop, failed, count = time.perf_counter(), 0.0, 0, 0
@@ -129,13 +129,14 @@ def run_campaign(
                 report.line(f"{len(sampled)} scenes{done}; {count} workers{board}")
                 report(0, len(left))
                 start = time.perf_counter()
-                for number, finished in enumerate(_outcomes(jobs, hands), 1):
-                    with disk_errors(folder):
-                        _keep(folder, finished)
-                    loop += finished.row.get("loop_seconds", 0.0)
-                    if finished.row["status"] == FAILED:
+                for number, (row, arrays) in enumerate(_outcomes(jobs, hands), 1):
+                    if arrays is not None:
+                        with disk_errors(folder):
+                            keep(folder, row, arrays)
+                    loop += row.get("loop_seconds", 0.0)
+                    if row["status"] == FAILED:
                         failed += 1
-                        report.line(f"scene {finished.run} failed: {finished.row['reason']}")
+                        report.line(f"scene {row['run']} failed: {row['reason']}")
                     report(number, len(left), failed)
             sweep(folder)
             sweep_rows(folder)
@@ -161,6 +162,7 @@ def first_layout(plan: Plan, sampled: Sequence[SampledScene], building: Work) ->
     Raises
     ------
     SceneError, ExpressionError : none of the first scenes can be run: what is wrong with the first one
+    InputError : one run does not fit into the memory of a worker, where it is until it is stored
     """
     failure: SceneError | ExpressionError | None = None
     for one in sampled[:_LAYOUT_TRIES]:
@@ -170,7 +172,13 @@ def first_layout(plan: Plan, sampled: Sequence[SampledScene], building: Work) ->
         except (SceneError, ExpressionError) as error:
             failure = failure or error
             continue
-        check_memory(loaded.name, machine)
+        size = cost(machine).bytes
+        if size > MOST_BYTES:
+            raise InputError(
+                f"one run of {loaded.name} holds {size_words(size)} in memory, limit {size_words(MOST_BYTES)} in a "
+                "campaign. Reduce simulation.end_s or simulation.output_rate_Hz, or divide the motion into several "
+                "scenes."
+            )
         graph = Graph(machine_steps(machine))
         building.build(graph, graph.steps["simulate"].inputs)
         given = machine.motion
@@ -181,23 +189,13 @@ def first_layout(plan: Plan, sampled: Sequence[SampledScene], building: Work) ->
     raise failure
 
 
-def check_memory(name: str, machine: MachineModel) -> None:
-    """InputError if one run does not fit into the memory of a worker, where it is until it is stored."""
-    one = cost(machine)
-    if one.bytes > MOST_BYTES:
-        raise InputError(
-            f"one run of {name} holds {size_words(one.bytes)} in memory, limit {size_words(MOST_BYTES)} in a "
-            "campaign. Reduce simulation.end_s or simulation.output_rate_Hz, or divide the motion into several scenes."
-        )
-
-
-def _outcomes(jobs: Iterator[Job], workers: Workers) -> Iterator[Done]:
+def _outcomes(jobs: Iterator[Job], workers: Workers) -> Iterator[_Result]:
     """The scenes as they are done, a few of them handed out at a time.
 
     A scene whose process dies is simulated again, a few times.
     """
     executor = workers.executor
-    running: dict[Future[Done], Job] = {}
+    running: dict[Future[_Result], Job] = {}
     deaths: Counter[int] = Counter()
     try:
         while True:
@@ -232,23 +230,7 @@ def _outcomes(jobs: Iterator[Job], workers: Workers) -> Iterator[Done]:
             future.cancel()
 
 
-def _killed(job: Job) -> Done:
+def _killed(job: Job) -> _Result:
     """The row of a scene whose process died again and again."""
     reason = f"the process ended without a result {MOST_DEATHS} times, perhaps for lack of memory. Reduce --processes."
-    return Done(run=job.sample.run, row=row_head(job, FAILED, reason), written=False)
-
-
-def _keep(folder: Path, done: Done) -> None:
-    """Write what the worker could not reach the folder for."""
-    if done.written:
-        return
-    row = dict(done.row)
-    if done.arrays:
-        row["checksums"] = write_run(folder, done.run, done.arrays)
-    write_row(folder, done.run, row)
-
-
-def _forget_failed(folder: Path) -> None:
-    for row in read_rows(folder):
-        if row["status"] == FAILED:
-            row_path(folder, row["run"]).unlink()
+    return row_head(job, FAILED, reason), {}

@@ -45,9 +45,9 @@ def sampled_scenes(plan: Plan) -> list[SampledScene]:
         key = json.dumps(row) if table.design == "grid" else str(len(distinct))  # equal samples may occur by chance
         distinct.setdefault(key, row)
     by = group_variables(table)
-    groups = ["/".join(f"{name}={row[name]}" for name in by) for row in distinct.values()]
-    if not by:
-        groups = [str(number) for number in range(len(distinct))]
+    groups = [
+        "/".join(f"{name}={row[name]}" for name in by) or str(number) for number, row in enumerate(distinct.values())
+    ]
     cases = [tuple(str(row[name]) for name in table.cases) for row in distinct.values()]
     parts = split_groups(table, groups, cases)
     return [

@@ -14,15 +14,15 @@ import numpy as np
 
 from pipelines.datasets.labels import COLUMNS
 from pipelines.datasets.rows import DONE, FAILED
+from pipelines.datasets.run_warnings import stored_scene
 from pipelines.datasets.summary import Summary, plan_texts, summarised, words
 from pipelines.datasets.variables_grid import design_words, varied_grid
-from pipelines.io.errors import SceneError
 from pipelines.io.text_table import Grid
 from pipelines.io.user_files import write_whole
-from pipelines.scene.load_scene import load_scene
 from pipelines.scene.scene import Scene
 
-_XARRAY = """\
+_LOADING = {  # by program; the paths are those in the folder of the data set
+    "xarray, by run": """\
 import gearcase
 
 data = gearcase.open_dataset(".")                      # reads a run when it is used
@@ -32,23 +32,20 @@ print(first.std("time"))
 
 for one in gearcase.pieces(train, 0.1, noise_m_s2=0.01):   # a run at a time: (piece, sensor, axis, time)
     print(int(one.run[0]), str(one.label.values[0]), one.shape)
-"""
-
-_PLAIN = """\
+""",
+    "xarray alone": """\
 import xarray
 
 signals = xarray.open_zarr("signals.zarr", consolidated=False, chunks=None)   # without gearcase, without labels
 print(signals.acceleration.sizes)
-"""
-
-_PANDAS = """\
+""",
+    "pandas": """\
 import pandas
 
 rows = pandas.read_parquet("rows.parquet")             # a line per run: variables, labels, split
 print(rows.groupby(["split", "label"]).size())
-"""
-
-_SKLEARN = """\
+""",
+    "scikit-learn": """\
 import pandas
 from sklearn.ensemble import RandomForestClassifier
 
@@ -61,9 +58,8 @@ table = rows.join(wide, how="inner")
 train, test = table[table.split == "train"], table[table.split == "test"]
 model = RandomForestClassifier(random_state=0).fit(train[wide.columns], train.label)
 print(model.score(test[wide.columns], test.label))
-"""
-
-_TORCH = """\
+""",
+    "PyTorch": """\
 import gearcase
 import torch
 
@@ -80,7 +76,8 @@ class Pieces(torch.utils.data.IterableDataset):
                 yield signal, label
 
 batches = torch.utils.data.DataLoader(Pieces("train"), batch_size=32)   # runs come in order: shuffle them for training
-"""
+""",
+}
 
 
 def write_card(folder: Path) -> Summary:
@@ -99,7 +96,7 @@ def write_card(folder: Path) -> Summary:
 def card(folder: Path, found: Summary) -> str:
     """The card of a data set as Markdown."""
     plan = found.facts["facts"]["plan"]
-    scene = _scene(folder)
+    scene = stored_scene(folder)
     licence = plan_texts(folder).get("licence") or (
         'not stated. To publish the data set, choose one and set `licence = "..."` in its plan.'
     )
@@ -107,8 +104,8 @@ def card(folder: Path, found: Summary) -> str:
     parts = [
         f"# {found.title}",
         f"Simulated vibration of a gearbox with known damage, made by `gearcase campaign` from the scene "
-        f"`{plan['scene']}`: {words(found.statuses)} of {found.runs} runs. The plan is `plan.toml`, the scene with all "
-        "its defaults `scene.toml`.",
+        f"`{plan['scene']}`: {words(found.statuses)} of {found.facts['runs']} runs. The plan is `plan.toml`, "
+        "the scene with all its defaults `scene.toml`.",
         f"Licence: {licence}",
         *(f"**Warning.** {text}" for text in found.warnings),
         f"## What is stored\n\n{_arrays(found)}",
@@ -121,19 +118,12 @@ def card(folder: Path, found: Summary) -> str:
         varied_grid(plan, found.columns).to_markdown() if plan["variables"] else "Nothing.",
         f"## Labels and split\n\n{_counts(found).to_markdown()}",
         _split_words(found),
-        f"## How it was made\n\n{_provenance(found, scene)}",
-        "## Limits\n\n" + "\n".join(f"- {line}" for line in _limits(found, scene)),
-        f"## How to load it\n\n{_loading()}",
+        f"## How it was made\n\n{_bullets(_provenance(found, scene))}",
+        f"## Limits\n\n{_bullets(_limits(found, scene))}",
+        "## How to load it",
+        *(f"### {name}\n\n```python\n{code}```" for name, code in _LOADING.items()),
     ]
     return "\n\n".join(parts) + "\n"
-
-
-def _scene(folder: Path) -> Scene | None:
-    """The stored scene; None where it cannot be read."""
-    try:
-        return load_scene(folder / "scene.toml").scene
-    except SceneError:
-        return None
 
 
 def _arrays(found: Summary) -> str:
@@ -142,7 +132,7 @@ def _arrays(found: Summary) -> str:
         (
             f"`{one['name']}`",
             f"({', '.join(['run', *one['dims']])})",
-            f"({', '.join(map(str, [found.runs, *one['shape']]))})",
+            f"({', '.join(map(str, [found.facts['runs'], *one['shape']]))})",
             np.dtype(one["dtype"]).name,
             one["attributes"].get("units", ""),
             one["attributes"].get("long_name", ""),
@@ -168,13 +158,13 @@ def _counts(found: Summary) -> Grid:
 
 
 def _split_words(found: Summary) -> str:
-    if not found.groups_by:
+    if not found.facts["groups by"]:
         return (
             f"Every run is a separate group: {found.groups} groups, assigned to the parts by the seed of the plan. "
             "`deviations.seed` is constant, so that all runs have the same pair of gears. A test does not show how a "
             "classifier performs on other gears; vary `deviations.seed` in the plan for that."
         )
-    by = ", ".join(f"`{name}`" for name in found.groups_by)
+    by = ", ".join(f"`{name}`" for name in found.facts["groups by"])
     return (
         f"Runs with equal {by} are one group ({found.groups} groups), and a group is in one part only. Train on "
         "one part and test on another. Cut signals into pieces after the split, never before: two pieces of one run, "
@@ -183,19 +173,23 @@ def _split_words(found: Summary) -> str:
     )
 
 
-def _provenance(found: Summary, scene: Scene | None) -> str:
+def _bullets(lines: Iterator[str]) -> str:
+    return "\n".join(f"- {line}" for line in lines)
+
+
+def _provenance(found: Summary, scene: Scene | None) -> Iterator[str]:
     facts = found.facts
     versions = {**facts["made with"], **facts["facts"]["versions"]}
-    lines = [f"Versions: {', '.join(f'{name} {version}' for name, version in versions.items())}."]
+    yield f"Versions: {', '.join(f'{name} {version}' for name, version in versions.items())}."
     if scene is not None:
         models = ", ".join(
             f"{name} {model if isinstance(model, str) else '/'.join(dict.fromkeys(model))}"
             for name, model in scene.models().items()
         )
-        lines.append(f"Models, unless a variable changes them: {models}.")
+        yield f"Models, unless a variable changes them: {models}."
     errors = _numbers(found, "step_error")
     if errors.size:
-        lines.append(
+        yield (
             f"Error of the accelerations caused by the time step, as share of their rms: median "
             f"{100 * np.median(errors):.2g} %, worst {100 * errors.max():.2g} %."
         )
@@ -203,17 +197,16 @@ def _provenance(found: Summary, scene: Scene | None) -> str:
     layout = found.facts["layout"]
     parted = int(np.sum(until < (layout["samples"] - 1.5) / layout["rate"]))
     if parted:
-        lines.append(
+        yield (
             f"{parted} of {until.size} motions cannot be repeated to their end: after `repeatable_until_s` they depend "
             "on rounding (rattling gears). Their levels are valid, their single samples are not."
         )
     else:
-        lines.append("All motions can be repeated sample by sample.")
-    lines.append(
+        yield "All motions can be repeated sample by sample."
+    yield (
         "The same plan gives the same samples and the same bits with these versions. Identity: "
         f"{facts['identity']}, code {facts['facts']['code']}."
     )
-    return "\n".join(f"- {line}" for line in lines)
 
 
 def _limits(found: Summary, scene: Scene | None) -> Iterator[str]:
@@ -235,15 +228,3 @@ def _numbers(found: Summary, name: str) -> np.ndarray:
     """A column of the runs that are done."""
     values = found.columns.get(name, np.array([]))
     return values[np.isfinite(values)] if values.dtype.kind in "fi" else np.array([])
-
-
-def _loading() -> str:
-    """How a data set is loaded; the paths are those in its folder."""
-    blocks = {
-        "xarray, by run": _XARRAY,
-        "xarray alone": _PLAIN,
-        "pandas": _PANDAS,
-        "scikit-learn": _SKLEARN,
-        "PyTorch": _TORCH,
-    }
-    return "\n\n".join(f"### {name}\n\n```python\n{code}```" for name, code in blocks.items())

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from pipelines.datasets.rows import ROWS, TABLE, flat, read_rows
+from pipelines.datasets.rows import ROWS, TABLE, row_columns
 
 _SHORT = 64  # characters; longer texts do not take the place of the longest one each
 
@@ -28,35 +29,19 @@ def read_columns(folder: Path, runs: int) -> dict[str, np.ndarray]:
     ------
     InputError : a row is damaged
     """
-    found = _from_table(folder)
-    if found is None:
-        rows = [flat(row) for row in read_rows(folder)]
-        names = dict.fromkeys(name for row in rows for name in row)
-        found = {name: [row.get(name) for row in rows] for name in names}
-    numbers = found.pop("run", [])
-    columns = {"status": [None] * runs} | {name: _placed(values, numbers, runs) for name, values in found.items()}
-    return {name: as_array(values) for name, values in columns.items()}
-
-
-def _from_table(folder: Path) -> dict[str, list[Any]] | None:
-    """The columns of rows.parquet; None unless it was made after the last row came or went."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    try:
-        if (folder / TABLE).stat().st_mtime_ns <= (folder / ROWS).stat().st_mtime_ns:
-            return None
-        return pq.read_table(folder / TABLE).to_pydict()
+    try:  # the table, if it was made after the last row came or went
+        fresh = (folder / TABLE).stat().st_mtime_ns > (folder / ROWS).stat().st_mtime_ns
+        found = pq.read_table(folder / TABLE).to_pydict() if fresh else row_columns(folder)
     except (OSError, pa.ArrowException):
-        return None
-
-
-def _placed(values: Sequence[Any], numbers: Sequence[int], runs: int) -> list[Any]:
-    placed: list[Any] = [None] * runs
-    for run, value in zip(numbers, values, strict=True):
-        if run < runs:
-            placed[run] = value
-    return placed
+        found = row_columns(folder)
+    place = {run: number for number, run in enumerate(found.pop("run", []))}
+    placed = {
+        name: [values[place[run]] if run in place else None for run in range(runs)] for name, values in found.items()
+    }
+    return {name: as_array(values) for name, values in ({"status": [None] * runs} | placed).items()}
 
 
 def as_array(values: Sequence[Any]) -> np.ndarray:
@@ -73,8 +58,5 @@ def as_array(values: Sequence[Any]) -> np.ndarray:
 
 def counted(columns: Mapping[str, np.ndarray], name: str, none: str = "not done") -> dict[str, int]:
     """How many runs have each value of a text column, the most frequent first."""
-    if name not in columns:
-        return {}
-    values, counts = np.unique(columns[name], return_counts=True)
-    found = {str(value) or none: int(count) for value, count in zip(values, counts, strict=True)}
-    return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
+    texts = sorted(str(value) or none for value in columns.get(name, ()))
+    return dict(Counter(texts).most_common())

@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,7 +21,7 @@ from pipelines.datasets.expressions import ExpressionError
 from pipelines.datasets.folder import identity_facts
 from pipelines.datasets.labels import labels
 from pipelines.datasets.plan import Plan, stored_plan
-from pipelines.datasets.rows import DONE, FAILED, ROWS, TABLE, cell, flat, numbers, read_row
+from pipelines.datasets.rows import DONE, FAILED, ROWS, TABLE, flat, numbers, read_row
 from pipelines.datasets.run_warnings import run_warnings
 from pipelines.datasets.signal_layout import RunLayout, read_facts, stored_layout
 from pipelines.datasets.store import SIGNALS, checksum, chunk_path, read_run
@@ -105,9 +106,7 @@ def check_dataset(folder: Path, on_progress: Callable[[int, int], None] = lambda
             f"{_counted(repeated, 'run')} with the scene of another run (same key), which random samples may give"
         )
     found.notes += _of_what_is_not_done(folder, layout)
-    table_wrong, table_notes = _of_table(folder, present)
-    found.wrong += table_wrong
-    found.notes += table_notes
+    _check_table(folder, present, found)
     return found
 
 
@@ -173,19 +172,15 @@ def _of_repeat(first: Mapping[str, Any], row: Mapping[str, Any]) -> Iterator[str
 
 def _of_what_is_not_done(folder: Path, layout: RunLayout) -> Iterator[str]:
     """Chunks without a row, as a campaign leaves them that runs or was stopped."""
-    stored = set()
-    for one in layout.signals:
-        for name in os.listdir(folder / SIGNALS / one.name):
-            number = name.split(".")[1] if name.startswith("c.") else ""
-            if number.isdecimal():
-                stored.add(int(number))
+    names = (name for one in layout.signals for name in os.listdir(folder / SIGNALS / one.name))
+    stored = {int(found[1]) for name in names if (found := re.match(r"c\.(\d+)\.", name))}
     if left := tuple(sorted(stored - numbers(folder))):
         runs = _counted(len(left), "run")
         yield f"{runs} without a row, but with signals ({stretches(left)}): the campaign repeats them"
 
 
-def _of_table(folder: Path, present: set[int]) -> tuple[list[str], list[str]]:
-    """Errors of rows.parquet, and notes on it."""
+def _check_table(folder: Path, present: set[int], found: Findings) -> None:
+    """Compare rows.parquet with the rows."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -193,30 +188,26 @@ def _of_table(folder: Path, present: set[int]) -> tuple[list[str], list[str]]:
     path = folder / TABLE
     try:
         if path.stat().st_mtime_ns < (folder / ROWS).stat().st_mtime_ns:
-            return [], [f"{TABLE} is older than the newest row; the campaign writes it again at its end"]
-        table = pq.ParquetFile(path)
+            found.notes.append(f"{TABLE} is older than the newest row; the campaign writes it again at its end")
+            return
+        lines = {line["run"]: line for line in pq.read_table(path).to_pylist()}
     except FileNotFoundError:
-        return [], [f"there is no {TABLE} yet; the campaign writes it at its end"]
-    except (OSError, pa.ArrowException) as error:
-        return [f"{TABLE}: cannot be read ({error}). {again}"], []
-    wrong = []
-    listed: set[int] = set()
-    for batch in table.iter_batches(batch_size=1000):
-        for line in batch.to_pylist():
-            listed.add(line["run"])
-            if line["run"] not in present:
-                wrong.append(f"{TABLE}: holds run {line['run']}, which has no row. {again}")
-                continue
-            with contextlib.suppress(InputError):  # reported for the row itself
-                row = flat(read_row(folder, line["run"]))
-                expected = {one.name: cell(row.get(one.name), one.type) for one in table.schema_arrow}
-                different = [name for name, value in expected.items() if line[name] != value]
-                different += [name for name in row if name not in expected]
-                if different:
-                    wrong.append(f"{TABLE}: {', '.join(different)} of run {line['run']} differ from its row. {again}")
-    if absent := tuple(sorted(present - listed)):
-        wrong.append(f"{TABLE}: the runs {stretches(absent)} are missing. {again}")
-    return wrong, []
+        found.notes.append(f"there is no {TABLE} yet; the campaign writes it at its end")
+        return
+    except (OSError, KeyError, pa.ArrowException) as error:
+        found.wrong.append(f"{TABLE}: cannot be read ({error}). {again}")
+        return
+    for run, line in lines.items():
+        if run not in present:
+            found.wrong.append(f"{TABLE}: holds run {run}, which has no row. {again}")
+            continue
+        with contextlib.suppress(InputError):  # reported for the row itself
+            row = flat(read_row(folder, run))
+            different = [name for name in line | row if name not in line or line[name] != row.get(name)]
+            if different:
+                found.wrong.append(f"{TABLE}: {', '.join(different)} of run {run} differ from its row. {again}")
+    if absent := tuple(sorted(present - lines.keys())):
+        found.wrong.append(f"{TABLE}: the runs {stretches(absent)} are missing. {again}")
 
 
 def _counted(count: int, name: str) -> str:

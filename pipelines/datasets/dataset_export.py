@@ -200,24 +200,19 @@ def _write_csv(cut: Cut, folder: Path) -> None:
 
 
 def _per_run(cut: Cut, folder: Path, ending: str, write: Callable[[xarray.DataArray, Path], None]) -> None:
-    """Write a file for each run, and labels.csv with a line for each file."""
+    """Write a file for each run, and labels.csv with a line for each file; cells without a number are empty."""
+    import pandas as pd
+
     names = [name for name in cut.columns if name not in ("run", "start")]
-    with whole_file(folder / LABELS) as partial, partial.open("w", encoding="utf-8", newline="") as file:
-        lines = csv.writer(file)
-        lines.writerow(["file", "run", *names])
-        for one in cut.runs:
-            run = int(one.run.values[0])
-            name = f"run-{run:06d}.{ending}"
-            with whole_file(folder / name) as place:
-                write(one, place)
-            lines.writerow([name, run, *_cells(one, names)])
-
-
-def _cells(one: xarray.DataArray, names: Sequence[str]) -> Iterator[Any]:
-    """The columns of a run as cells of labels.csv; empty where there is no number."""
-    for name in names:
-        value = one[name].values[0]
-        yield "" if isinstance(value, float) and np.isnan(value) else value
+    lines = []
+    for one in cut.runs:
+        run = int(one.run.values[0])
+        file = f"run-{run:06d}.{ending}"
+        with whole_file(folder / file) as place:
+            write(one, place)
+        lines.append({"file": file, "run": run, **{name: one[name].values[0] for name in names}})
+    with whole_file(folder / LABELS) as partial:
+        pd.DataFrame(lines).to_csv(partial, index=False, lineterminator="\r\n")
 
 
 FORMATS: dict[str, tuple[Callable[[Cut, Path], None], bool]] = {  # function that writes, whether it writes one file

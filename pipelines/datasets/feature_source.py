@@ -1,7 +1,6 @@
 """Features of recordings, runs and data sets as one tidy table: a row for each signal, channel, component and feature.
 
-Those of a data set are computed from its stored signals, with a row in `feature_rows` for each run. It holds the
-checksums of the signals and the version of the code, so that only missing and outdated features are computed.
+Those of a data set are the rows of `pipelines.datasets.feature_tables`.
 """
 
 from __future__ import annotations
@@ -9,27 +8,19 @@ from __future__ import annotations
 import logging
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from pipelines.datasets.campaign_scenes import scene_of
-from pipelines.datasets.dataset_reading import VIBRATION
-from pipelines.datasets.feature_tables import stored_table, table_job
-from pipelines.datasets.plan import stored_plan
-from pipelines.datasets.rows import DONE, compute_rows, numbers, read_rows, row_path
-from pipelines.datasets.signal_layout import FACTS, read_facts
-from pipelines.diagnosis.simulated_features import FeatureSettings
+from pipelines.datasets.feature_tables import Progress, Window, dataset_rows, stored_table
+from pipelines.datasets.signal_layout import FACTS
 from pipelines.io.errors import InputError
 from pipelines.io.shown_text import shown
 from pipelines.io.user_files import whole_file
-from pipelines.machine.layout import lay_out
-from pipelines.machine.scene_bearings import rolling_bearings
-from pipelines.machine.scene_kinematics import kinematics_of
 from pipelines.recordings.formats import BY_ENDING
-from pipelines.runs.judged_recording import machine_of, read_features, recording_and_window, requested_windows
+from pipelines.runs.recorded_file import machine_of, read_features, recording_and_window, requested_windows
 from pipelines.runs.run_folder import RESPONSE
 
 if TYPE_CHECKING:
@@ -38,12 +29,9 @@ if TYPE_CHECKING:
     from pipelines.signals.features.feature_table import FeatureTable
 
 _LOG = logging.getLogger(__name__)
-FEATURE_ROWS = "feature_rows"
 FEATURES = "features.parquet"
 ENDINGS = (".parquet", ".csv")
 _NAMED = 3  # signals that a warning names
-Window = tuple[float, float]
-Progress = Callable[[int, int], None]
 
 
 class FeatureSource:
@@ -81,6 +69,8 @@ class FeatureSource:
         ------
         InputError : no signal has features; the message states the reason for the first one
         """
+        import pandas as pd
+
         found, lines = 0, Counter[tuple[str, str]]()  # signals with features, in total and by component and feature
         lacking, refused = dict[str, list[str]](), dict[str, list[str]]()  # signals, by shaft and its gears; by reason
         for key, name, table, failure in self._computed(executor, on_progress):
@@ -90,7 +80,7 @@ class FeatureSource:
                 continue
             for shaft, _, reason in (one.partition(": ") for one in table.left_out):
                 lacking.setdefault(shaft, []).append(f"{key} {shown(str(name))}: {reason}")
-            yield _frame(key, name, table.columns())
+            yield pd.DataFrame({key: name, **table.columns()})
             found += 1
             lines.update(table.lines)
         for shaft, signals in lacking.items():
@@ -180,53 +170,3 @@ def _of_recording(
         return read_features(path, known, chosen, noise).table, ""
     except InputError as error:
         return None, str(error)
-
-
-def dataset_rows(
-    folder: Path, windows: Mapping[str, Window], noise: float, executor: Executor, on_progress: Progress
-) -> Iterator[dict[str, Any]]:
-    """Rows of the features of all finished runs, in their order; missing and outdated ones are computed.
-
-    Parameters
-    ----------
-    folder : of the data set
-    windows : start and end (s) of the parts to evaluate, by name; the whole runs if empty
-    noise : rms (m/s2) of added white noise
-    executor, on_progress : of the work
-
-    Raises
-    ------
-    InputError : the data set holds no accelerations, or a window is not in its runs
-    """
-    facts = read_facts(folder)
-    stored = [one["name"] for one in facts["layout"]["signals"]]
-    if not set(VIBRATION) & set(stored):
-        raise InputError(
-            f"{shown(folder)}: the data set holds no accelerations, only {', '.join(stored)}. Add them to `signals` "
-            "of the plan."
-        )
-    length = facts["layout"]["samples"] / facts["layout"]["rate"]
-    for start, end in windows.values():
-        if not 0.0 <= start < min(end, length) or length * (1.0 + 1e-9) < end < math.inf:
-            raise InputError(
-                f"from {start:g} to {end:g} s: the runs last {length:g} s. Set a start and a later end within it."
-            )
-    windows = {name: (start, min(end, length)) for name, (start, end) in windows.items()}
-    plan = stored_plan(facts)
-    jobs = []
-    for row in read_rows(folder):
-        if row["status"] == DONE:
-            scene = scene_of(plan, row["values"]).scene
-            kinematics = kinematics_of(lay_out(scene, plan.name), rolling_bearings(scene))
-            settings = FeatureSettings(kinematics=kinematics, windows=windows, complete=True)
-            jobs.append(table_job(folder, row["run"], settings, noise, row["checksums"], FEATURE_ROWS))
-    for run in numbers(folder, FEATURE_ROWS) - {job.run for job in jobs}:
-        row_path(folder, run, FEATURE_ROWS).unlink(missing_ok=True)
-    compute_rows(jobs, executor, on_progress)
-    yield from read_rows(folder, FEATURE_ROWS)
-
-
-def _frame(key: str, name: str | int, columns: Mapping[str, Any]) -> pandas.DataFrame:
-    import pandas as pd
-
-    return pd.DataFrame({key: name, **columns})

@@ -1,12 +1,14 @@
-"""Feature tables of the runs of a data set, one row for each run and noise; interrupted work is resumed.
+"""Feature tables of the runs of a data set, one row for each run; interrupted work is resumed.
 
-The noise is added to the stored signals. Another noise therefore needs no simulation.
+The noise is added to the stored signals. Another noise therefore needs no simulation. A row holds the checksums of the
+signals and the version of the code, so that only missing and outdated features are computed.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
@@ -14,12 +16,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.datasets.rows import RowJob, compute_rows, read_row
+from pipelines.datasets.campaign_scenes import scene_of
+from pipelines.datasets.dataset_reading import VIBRATION
+from pipelines.datasets.plan import stored_plan
+from pipelines.datasets.rows import DONE, numbers, read_row, read_rows, row_path, sweep_rows, write_row
 from pipelines.datasets.signal_layout import RunLayout, read_facts, stored_layout
 from pipelines.datasets.store import read_run
 from pipelines.diagnosis.simulated_features import FeatureSettings, run_features
 from pipelines.engine.code_version import code_version
 from pipelines.io.errors import InputError
+from pipelines.io.shown_text import shown
+from pipelines.machine.layout import lay_out
+from pipelines.machine.scene_bearings import rolling_bearings
+from pipelines.machine.scene_kinematics import kinematics_of
 from pipelines.signals.features.feature_table import FeatureTable
 from pipelines.signals.features.recording_features import FeatureError
 from pipelines.signals.orders.rotation import RotationError
@@ -27,70 +36,89 @@ from pipelines.signals.orders.rotation import RotationError
 if TYPE_CHECKING:
     import xarray
 
-TABLES = "feature_tables"
+FEATURE_ROWS = "feature_rows"
+Window = tuple[float, float]
+Progress = Callable[[int, int], None]
+_Task = tuple[int, FeatureSettings, Mapping[str, Any]]  # run, settings, and what its row is made of
 
 
-def table_job(
+def dataset_rows(
     folder: Path,
-    run: int,
-    settings: FeatureSettings,
+    windows: Mapping[str, Window],
     noise: float,
-    checksums: Mapping[str, Any],
-    rows: str = "",
-) -> RowJob:
-    """The task to compute the features of a run.
+    executor: Executor,
+    on_progress: Progress,
+    *,
+    rows: str = FEATURE_ROWS,
+    complete: bool = True,
+) -> Iterator[dict[str, Any]]:
+    """Rows of the features of all finished runs, in their order; missing and outdated ones are computed.
 
     Parameters
     ----------
-    folder, run : data set, and number of the run
-    settings : of the features
-    noise : rms of the added sensor noise, m/s2
-    checksums : of the stored signals, on which the features depend
-    rows : folder of the rows; by default one for each noise
-    """
-    windows = {name: list(window) for name, window in settings.windows.items()}
-    code = code_version("pipelines.diagnosis.simulated_features")
-    return RowJob(
-        folder=folder,
-        run=run,
-        rows=rows or f"{TABLES}/{noise:g}",
-        made_of={"code": code, "windows": windows, "noise_m_s2": noise, "checksums": dict(checksums)},
-        computed=partial(_computed, folder, run, settings, noise),
-    )
-
-
-def _computed(folder: Path, run: int, settings: FeatureSettings, noise: float) -> dict[str, Any]:
-    """The table of features, or the reason why there is none."""
-    layout = stored_layout(read_facts(folder)["layout"])
-    recording = recording_of(folder, run, layout).assign_attrs(sensor_noise_m_s2=noise)
-    try:
-        return {"failure": "", "table": _plain(run_features(recording, settings))}
-    except (FeatureError, RotationError) as error:
-        return {"failure": str(error), "table": None}
-
-
-def make_tables(
-    jobs: Sequence[RowJob], executor: Executor, on_progress: Callable[[int, int], None] = lambda done, total: None
-) -> list[FeatureTable | None]:
-    """The features of all jobs; None for a run without features, whose row states the reason.
-
-    Parameters
-    ----------
-    jobs : all of one data set
-    executor : of the work
-    on_progress : callback with the number of finished jobs and that of all
+    folder : of the data set
+    windows : start and end (s) of the parts to evaluate, by name; the whole runs if empty
+    noise : rms (m/s2) of added white noise
+    executor, on_progress : of the work
+    rows : folder of the rows in that of the data set
+    complete : see `pipelines.diagnosis.simulated_features.FeatureSettings`
 
     Raises
     ------
-    InputError : no run has features; the message states the reason for the first one
+    InputError : the data set holds no accelerations, or a window is not in its runs
     OSError : a row cannot be written
     """
-    compute_rows(jobs, executor, on_progress)
-    rows = [read_row(job.folder, job.run, job.rows) for job in jobs]
-    found = [stored_table(row["table"]) for row in rows]
-    if rows and all(table is None for table in found):
-        raise InputError(f"no run has features. The first: {rows[0]['failure']}")
-    return found
+    facts = read_facts(folder)
+    stored = [one["name"] for one in facts["layout"]["signals"]]
+    if not set(VIBRATION) & set(stored):
+        raise InputError(
+            f"{shown(folder)}: the data set holds no accelerations, only {', '.join(stored)}. Add them to `signals` "
+            "of the plan."
+        )
+    length = facts["layout"]["samples"] / facts["layout"]["rate"]
+    for start, end in windows.values():
+        if not 0.0 <= start < min(end, length) or length * (1.0 + 1e-9) < end < math.inf:
+            raise InputError(
+                f"from {start:g} to {end:g} s: the runs last {length:g} s. Set a start and a later end within it."
+            )
+    windows = {name: (start, min(end, length)) for name, (start, end) in windows.items()}
+    plan, code = stored_plan(facts), code_version("pipelines.diagnosis.simulated_features")
+    same = {"code": code, "windows": {name: list(ends) for name, ends in windows.items()}, "noise_m_s2": noise}
+    done = {row["run"]: row for row in read_rows(folder) if row["status"] == DONE}
+    for run in numbers(folder, rows) - done.keys():
+        row_path(folder, run, rows).unlink(missing_ok=True)
+    tasks: list[_Task] = []
+    for run, row in done.items():
+        made_of = {**same, "checksums": row["checksums"]}
+        if not _is_stored(folder, run, rows, made_of):
+            scene = scene_of(plan, row["values"]).scene
+            kinematics = kinematics_of(lay_out(scene, plan.name), rolling_bearings(scene))
+            tasks.append((run, FeatureSettings(kinematics=kinematics, windows=windows, complete=complete), made_of))
+    (folder / rows).mkdir(parents=True, exist_ok=True)
+    for count, _ in enumerate(executor.map(partial(_write_features, folder, rows), tasks), 1):
+        on_progress(count, len(tasks))
+    sweep_rows(folder, rows)
+    yield from read_rows(folder, rows)
+
+
+def _is_stored(folder: Path, run: int, rows: str, made_of: Mapping[str, Any]) -> bool:
+    """Whether the row of a run is there and made in this way."""
+    try:
+        return read_row(folder, run, rows).get("made_of") == made_of
+    except InputError:
+        return False
+
+
+def _write_features(folder: Path, rows: str, task: _Task) -> None:
+    """Write the row of a run: the table of its features, or the reason why there is none."""
+    run, settings, made_of = task
+    recording = recording_of(folder, run, stored_layout(read_facts(folder)["layout"]))
+    found: dict[str, Any] = {"failure": "", "table": None}
+    try:
+        found["table"] = _plain(run_features(recording.assign_attrs(sensor_noise_m_s2=made_of["noise_m_s2"]), settings))
+    except (FeatureError, RotationError) as error:
+        found["failure"] = str(error)
+    write_row(folder, run, {"run": run, "made_of": made_of, **found}, rows)
 
 
 def recording_of(folder: Path, run: int, layout: RunLayout) -> xarray.Dataset:

@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from mbd.output.trajectory import Trajectory
 from pipelines.datasets.campaign_scenes import SampledScene, scene_key, scene_of
 from pipelines.datasets.labels import labels
 from pipelines.datasets.plan import Plan
@@ -43,16 +42,6 @@ class Job:
     sample: SampledScene
 
 
-@dataclass(frozen=True, kw_only=True)
-class Done:
-    """The row of a simulated scene; `arrays` are its signals if the worker could not write them."""
-
-    run: int
-    row: Mapping[str, Any]
-    arrays: Mapping[str, np.ndarray] | None = None
-    written: bool
-
-
 def row_head(job: Job, status: str, reason: str = "") -> dict[str, Any]:
     """The columns of a row that do not depend on the simulation."""
     one = job.sample
@@ -60,8 +49,10 @@ def row_head(job: Job, status: str, reason: str = "") -> dict[str, Any]:
     return head | {"group": one.group, "split": one.split}
 
 
-def work(job: Job) -> Done:
+def work(job: Job) -> tuple[dict[str, Any], Mapping[str, np.ndarray] | None]:
     """Simulate a scene and write its signals and its row. An error of the scene is written to the row.
+
+    The result is the row, and None or, if this process does not reach the folder, the signals that are to be written.
 
     Raises
     ------
@@ -79,13 +70,18 @@ def work(job: Job) -> Done:
         raise
     except Exception as error:
         row = row_head(job, FAILED, _reason(error))
-    here = _reaches(job.folder, job.identity)
-    if here and arrays:
-        row["checksums"] = write_run(job.folder, job.sample.run, arrays)
     row["seconds"] = round(time.perf_counter() - begun, 3)
-    if here:
-        write_row(job.folder, job.sample.run, row)
-    return Done(run=job.sample.run, row=row, arrays=None if here or not arrays else arrays, written=here)
+    if not _reaches(job.folder, job.identity):
+        return row, arrays
+    keep(job.folder, row, arrays)
+    return row, None
+
+
+def keep(folder: Path, row: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
+    """Write the signals of a run, if it has any, then its row with their checksums."""
+    if arrays:
+        row["checksums"] = write_run(folder, row["run"], arrays)
+    write_row(folder, row["run"], row)
 
 
 def _simulated(job: Job) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
@@ -98,19 +94,14 @@ def _simulated(job: Job) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     row = {
         "key": scene_key(loaded),
         "labels": labels(machine),
-        "quality": quality(motion),
+        "quality": {
+            "step_error": motion.step_error,
+            "repeatable_until_s": motion.diverged_at or float(motion.time[-1]),
+            "warnings": "; ".join(motion_warnings(motion)),
+        },
         "loop_seconds": round(loop, 3),
     }
     return row, run_arrays(motion, job.layout)
-
-
-def quality(motion: Trajectory) -> dict[str, Any]:
-    """Quality of a motion: error of the accelerations by the time step, time for which it is repeatable, warnings."""
-    return {
-        "step_error": motion.step_error,
-        "repeatable_until_s": motion.diverged_at or float(motion.time[-1]),
-        "warnings": "; ".join(motion_warnings(motion)),
-    }
 
 
 @functools.lru_cache(maxsize=1)

@@ -17,7 +17,6 @@ faults = []
 
 from __future__ import annotations
 
-import contextlib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -33,6 +32,7 @@ from pipelines.datasets.variables import ListTable, Variable
 from pipelines.io.errors import InputError, SceneError
 from pipelines.io.not_a_scene import SCENE_KEYS
 from pipelines.io.toml_text import format_document
+from pipelines.machine.machine_model import MachineModel
 from pipelines.scene.load_scene import LoadedScene, Source, find_source, load_scene, parse, validate
 from pipelines.scene.merge import Merged, Whole, leaves, merge
 from pipelines.scene.presets import preset_on
@@ -102,7 +102,7 @@ class PlanTable(Table):
                 yield f"variables: {name!r} is not a valid name; use letters, digits and _, a letter first"
             elif name in COLUMNS:
                 yield f"variables: {name!r} is a column of every data set; set another name"
-            elif name not in self.cases and not any(name in names for names in self._named()):
+            elif name not in self.cases and not any(re.search(rf"\b{name}\b", text) for _, text in self.references()):
                 yield f'variables: {name!r} is not used; write "${name}" in [settings] or [cases], or delete it'
         for name in self.split.by or ():
             if name not in self.variables:
@@ -111,12 +111,6 @@ class PlanTable(Table):
             yield (
                 f"split: test and validation add up to {self.split.test + self.split.validation:g}; reduce them below 1"
             )
-
-    def _named(self) -> Iterator[tuple[str, ...]]:
-        """Names in each expression of the settings that can be parsed."""
-        for _, text in self.references():
-            with contextlib.suppress(ExpressionError):  # reported elsewhere
-                yield Expression(text[1:]).names
 
     def _cases(self) -> Iterator[str]:
         for name, cases in self.cases.items():
@@ -266,14 +260,33 @@ def stored_plan(facts: Mapping[str, Any]) -> Plan:
     return Plan(name=facts["name"], text="", table=table, tree=facts["facts"]["scene"])
 
 
-def plan_on(loaded: LoadedScene, tables: Mapping[str, Any], name: str) -> Plan:
-    """A plan on a loaded scene with all its settings, from the tables of a plan file without `scene`.
+@dataclass(frozen=True, kw_only=True)
+class VariedKey:
+    """A key of the scene that a study varies, with items counted from 1 as in `--set`."""
+
+    key: str
+
+    @property
+    def variable(self) -> str:
+        """Its name as a variable of a plan: "load_torque_N_m"."""
+        return self.key.replace(".", "_").replace("-", "_")
+
+
+def plan_of_study(loaded: LoadedScene, machine: MachineModel, tables: Mapping[str, Any], name: str) -> Plan:
+    """The plan of a study on a loaded scene with all its settings: accelerations and shaft angles, without a split.
+
+    Parameters
+    ----------
+    loaded, machine : the scene and its machine
+    tables : those of a plan file, without scene, signals and split
+    name : of the plan
 
     Raises
     ------
     SceneError : with all problems of the tables
     """
-    told = {"scene": loaded.name, **tables}
+    signals = ["acceleration" if machine.sensors else "journal_acceleration", "shaft_angle"]
+    told = {"scene": loaded.name, **tables, "signals": signals, "split": {"test": 0.0}}
     table, _ = validate(Merged(told), PlanTable, f"plan {name}")
     table = _populated(table, told, loaded.tree, f"plan {name}")
     return Plan(name=name, text=format_document(told), table=table, tree=_bare(loaded.tree))

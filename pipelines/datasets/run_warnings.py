@@ -7,9 +7,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from pipelines.datasets.folder import SCENE
 from pipelines.datasets.variables_grid import sets
 from pipelines.io.errors import SceneError
 from pipelines.scene.load_scene import load_scene
+from pipelines.scene.scene import Scene
 from pipelines.signals.motion_warnings import KINDS, LARGEST_STEP_ERROR, needed_step_us
 
 _STEP = "simulation.step_us"
@@ -59,13 +61,17 @@ def _span(low: float, high: float) -> str:
 def _shorter_step(folder: Path, facts: Mapping[str, Any], worst: float) -> str:
     """The setting of the time step with which the worst run keeps the limit."""
     plan, rate = facts["facts"]["plan"], facts["layout"]["rate"]
-    varied = any(_STEP in sets(plan, name) for name in plan["variables"])
-    try:
-        given = load_scene(folder / "scene.toml").scene.simulation.step_us
-    except SceneError:  # of another version
-        varied = True
-    if varied:
+    scene = stored_scene(folder)
+    if scene is None or any(_STEP in sets(plan, name) for name in plan["variables"]):
         return f"Set a smaller {_STEP} under [settings] of the plan."
-    every = max(1, math.ceil(1e6 / (rate * given) - 1e-9))
+    every = max(1, math.ceil(1e6 / (rate * scene.simulation.step_us) - 1e-9))
     step = needed_step_us(worst, 1.0 / (rate * every), rate)
     return f"Set {_STEP} = {step} under [settings] of the plan (`detect`: --set {_STEP}={step})."
+
+
+def stored_scene(folder: Path) -> Scene | None:
+    """The scene of a data set; None where it cannot be read, as that of another version."""
+    try:
+        return load_scene(folder / SCENE).scene
+    except SceneError:
+        return None

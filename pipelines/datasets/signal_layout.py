@@ -40,11 +40,6 @@ class RunLayout:
     samples: int
     rate: float
 
-    @property
-    def bytes(self) -> int:
-        """Size of one run before compression."""
-        return sum(int(np.prod(one.shape)) * np.dtype(one.dtype).itemsize for one in self.signals)
-
 
 def run_layout(motion: Trajectory, samples: int, requested: Sequence[str] = ()) -> RunLayout:
     """The layout of runs whose signals are those of a motion.

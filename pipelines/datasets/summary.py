@@ -13,6 +13,7 @@ import numpy as np
 
 from pipelines.datasets.campaign_scenes import group_words
 from pipelines.datasets.columns import counted, read_columns
+from pipelines.datasets.folder import PLAN
 from pipelines.datasets.rows import DONE
 from pipelines.datasets.run_warnings import run_warnings
 from pipelines.datasets.signal_layout import read_facts
@@ -21,7 +22,6 @@ from pipelines.datasets.variables_grid import design_words, varied_grid
 from pipelines.io.text_table import WIDTH
 from pipelines.io.toml_text import read_toml
 
-PLAN = "plan.toml"
 _MOST_RUNS = 10  # stretches of missing runs that are named
 
 
@@ -31,12 +31,10 @@ class Summary:
     "counted."""
 
     title: str
-    runs: int
     statuses: Mapping[str, int]
     labels: Mapping[str, int]
     splits: Mapping[str, int]
     groups: int
-    groups_by: tuple[str, ...]
     missing: tuple[int, ...]
     warnings: tuple[str, ...]
     bytes: int
@@ -50,11 +48,11 @@ class Summary:
         missing = f"; without a row: {stretches(self.missing)}" if self.missing else ""
         lines = [
             self.title,
-            f"  runs     {self.runs}: {words(self.statuses)}{missing}",
+            f"  runs     {self.facts['runs']}: {words(self.statuses)}{missing}",
             f"  signals  {', '.join(one['name'] for one in layout['signals'])}; {seconds:g} s at {layout['rate']:g} Hz",
             f"  bytes    {self.bytes / 1e6:.1f} MB of signals",
             f"  labels   {words(self.labels)}",
-            f"  split    {words(self.splits)}; {self.groups} {group_words(self.groups_by)}",
+            f"  split    {words(self.splits)}; {self.groups} {group_words(self.facts['groups by'])}",
             f"  design   {design_words(plan)}",
             *(f"  warnings {text}" for text in self.warnings or ("none",)),
         ]
@@ -75,12 +73,10 @@ def summarised(folder: Path) -> Summary:
         warnings = run_warnings(folder, facts, columns["warnings"][done], columns["step_error"][done])
     return Summary(
         title=title(folder, facts),
-        runs=facts["runs"],
         statuses=counted(columns, "status"),
         labels=counted(of_done, "label"),
         splits=counted(of_done, "split"),
         groups=len({str(group) for group in columns.get("group", ()) if group}),
-        groups_by=tuple(facts["groups by"]),
         warnings=warnings,
         missing=tuple(int(run) for run in np.flatnonzero(columns["status"] == "")),
         bytes=sum(_sizes(folder / SIGNALS)),
@@ -109,13 +105,8 @@ def words(counts: Mapping[str, int]) -> str:
 
 def stretches(runs: tuple[int, ...]) -> str:
     """Numbers of runs, those that follow one another as 3-7."""
-    found: list[list[int]] = []
-    for run in runs:
-        if found and run == found[-1][1] + 1:
-            found[-1][1] = run
-        else:
-            found.append([run, run])
-    shown = [f"{first}-{last}" if last > first else str(first) for first, last in found[:_MOST_RUNS]]
+    found = np.split(np.array(runs), np.flatnonzero(np.diff(runs) > 1) + 1)
+    shown = [f"{one[0]}-{one[-1]}" if len(one) > 1 else str(one[0]) for one in found[:_MOST_RUNS]]
     return ", ".join(shown) + (" ..." if len(found) > _MOST_RUNS else "")
 
 

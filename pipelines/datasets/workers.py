@@ -60,12 +60,11 @@ def dask_workers(scheduler: str | None, processes: int | None) -> Iterator[Worke
         else:
             client = opened.enter_context(_client(distributed, scheduler))
         executor = opened.enter_context(client.get_executor(pure=False))
-
-        def count() -> int:
-            threads = sum(client.nthreads().values())
-            return max(1, threads)
-
-        yield Workers(executor=executor, count=count, dashboard=client.dashboard_link or "")
+        yield Workers(
+            executor=executor,
+            count=lambda: max(1, sum(client.nthreads().values())),
+            dashboard=client.dashboard_link or "",
+        )
 
 
 @contextlib.contextmanager

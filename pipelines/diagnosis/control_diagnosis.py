@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fem.storage import shown_html
-from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of, sampling
+from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of
 from pipelines.signals.line_table import IN_ENVELOPE, LineTable, joined, level
 from pipelines.signals.measured_speed import at_measured_speed
 from pipelines.signals.motion_warnings import chance_of_run
@@ -56,23 +56,16 @@ class Diagnosis:
 
     def _repr_html_(self) -> str:
         """The lines with the largest increase over the control, and the spectra of the first window, for a notebook."""
-        lines, window = self.lines, next(iter(self.settings.windows))
-        rising = np.argsort(-lines.difference)[:_LINES_SHOWN]
-        rows = [
-            (
-                lines.window[i],
-                lines.kind[i],
-                lines.label[i],
-                *(float(column[i]) for column in (lines.frequency, lines.faulty, lines.healthy, lines.difference)),
-                "yes" if lines.detected[i] else "no",
-            )
-            for i in rising
-        ]
+        units, window = self.lines.units(), next(iter(self.settings.windows))
+        rising = self.lines.at(np.argsort(-self.lines.difference)[:_LINES_SHOWN].tolist())
+        names = ("window", "kind", "label", "frequency", "faulty", "healthy", "difference", "detected")
+        rows = [[row[name] for name in names] for row in rising.to_dicts()]
         title = f"{self._words()}; the {len(rows)} with the largest increase over the control"
-        head = ("window", "kind", "line", "Hz", "faulty, m/s2", "healthy, m/s2", "difference, dB", "detected")
-        amplitudes = {state: self.spectra[state, window].amplitude for state in ("faulty", "healthy")}
+        heads = [name if units[name] in ("", "1") else f"{name}, {units[name]}" for name in names]
+        table = shown_html.table(title, heads, rows)
+        amplitudes = {state: self.spectra[state, window].amplitude for state in STATES}
         across = self.spectra["faulty", window].frequency
-        return shown_html.table(title, head, rows) + shown_html.curves(f"Hz, {window}", across, "m/s2", amplitudes)
+        return table + shown_html.curves(f"Hz, {window}", across, "m/s2", amplitudes)
 
 
 def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: DiagnosisSettings) -> Diagnosis:
@@ -80,16 +73,15 @@ def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: Diagnosi
 
     Parameters
     ----------
-    faulty, healthy : Datasets with acceleration (time, sensor, axis) in m/s2 of equal sampling, and the attributes
-        load, seed ("none" for error-free gears) and sensor_noise_m_s2
+    faulty, healthy : Datasets with acceleration (time, sensor, axis) in m/s2 of equal sampling, and the equal
+        attributes load, seed ("none" for error-free gears) and sensor_noise_m_s2
 
     Raises
     ------
-    DiagnosisError : different load, seed or sampling; sensor or axis missing; the shaft does not turn at f_r, or, if
-        its speed was not known, its speed varies too much
+    DiagnosisError : sensor missing; the shaft does not turn at f_r, or, if its speed was not known, its speed varies
+        too much
     SpectrumError : a window contains no whole revolution
     """
-    _check_comparable(faulty, healthy)
     if not settings.speed_is_known:
         settings = at_measured_speed(settings, (faulty, healthy))
     control = analyse(healthy, settings, stream=0)
@@ -132,77 +124,68 @@ def _window_lines(
     envelopes: Mapping[tuple[str, str], Spectrum],
 ) -> LineTable:
     f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
-    on_bins: list[tuple[str, int, int]] = [("envelope", 0, k) for k in range(1, settings.envelope_harmonics + 1)]
-    for n in settings.mesh_harmonics:
-        for k in range(-settings.sideband_orders, settings.sideband_orders + 1):
-            on_bins.append(("sideband" if k else "mesh", n, k))
-    resolution = envelopes["faulty", window].resolution
-    top = resolution * (envelopes["faulty", window].amplitude.size - 1)
-    placed = _placed_lines(settings, resolution, top)
-    columns: dict[str, Any] = {
-        "kind": [kind for kind, _, _ in on_bins] + [line.kind for line in placed],
-        "mesh_harmonic": np.array([n for _, n, _ in on_bins] + [0] * len(placed)),
-        "order": np.array([k for _, _, k in on_bins] + [line.order for line in placed]),
-        "label": [_label(n, k) for _, n, k in on_bins] + [line.label for line in placed],
-    }
-    frequency = columns["mesh_harmonic"] * f_m + columns["order"] * f_r
-    places, reach = np.array([line.frequency for line in placed]), np.array([line.reach for line in placed])
-    frequency[len(on_bins) :] = np.round(places / resolution) * resolution  # the nearest bin
-    is_envelope = np.array([kind in IN_ENVELOPE for kind in columns["kind"]])
+    resolution, top = (float(envelopes["faulty", window].frequency[i]) for i in (1, -1))
+    sides = range(-settings.sideband_orders, settings.sideband_orders + 1)
+    on_bins = [("envelope", 0, k) for k in range(1, settings.envelope_harmonics + 1)]
+    on_bins += [("sideband" if k else "mesh", n, k) for n in settings.mesh_harmonics for k in sides]
+    found = [_Line(kind, _label(n, k), n, k, n * f_m + k * f_r, 0.0) for kind, n, k in on_bins]
+    found += _placed_lines(settings, resolution, top)
+    kind, label, harmonic, order, place, reach = (np.array(column) for column in zip(*found, strict=True))
+    frequency, between = place.copy(), slice(len(on_bins), None)
+    frequency[between] = np.round(place[between] / resolution) * resolution  # the nearest bin
+    is_envelope = np.isin(kind, IN_ENVELOPE)
+    columns: dict[str, np.ndarray] = {}
     for state in STATES:
-        columns[state] = np.empty(len(frequency))
-        columns[f"{state}_floor"] = np.empty(len(frequency))
+        columns[state], columns[f"{state}_floor"] = np.empty((2, len(found)))
         for spectrum, rows in ((envelopes[state, window], is_envelope), (spectra[state, window], ~is_envelope)):
-            columns[state][rows] = spectrum.lines(frequency[rows])
+            columns[state][rows] = spectrum.lines(place[rows], reach[rows])
             columns[f"{state}_floor"][rows] = spectrum.floors(frequency[rows])
-            own = rows[len(on_bins) :]
-            columns[state][len(on_bins) :][own] = spectrum.peaks(places[own].tolist(), reach[own].tolist())
     difference = level(columns["faulty"], columns["healthy"])
     over_floor = level(columns["faulty"], columns["faulty_floor"])
-    healthy_over_floor = level(columns["healthy"], columns["healthy_floor"])
     rope = float(settings.rope_mode.get(window, 0.0))
-    width = LINE_WIDTH * spectra["faulty", window].resolution
-    count = len(frequency)
-    offset = np.abs(columns["order"]) * f_r
-    offset[len(on_bins) :] = frequency[len(on_bins) :]
+    offset = np.abs(order) * f_r
+    offset[between] = frequency[between]
     return LineTable(
-        load_case=(load,) * count,
-        deviations=(deviations,) * count,
-        window=(window,) * count,
+        load_case=(load,) * len(found),
+        deviations=(deviations,) * len(found),
+        window=(window,) * len(found),
+        kind=tuple(kind),
+        label=tuple(label),
+        order=order,
+        mesh_harmonic=harmonic,
         frequency=frequency,
         difference=difference,
         over_floor=over_floor,
-        healthy_over_floor=healthy_over_floor,
+        healthy_over_floor=level(columns["healthy"], columns["healthy_floor"]),
         detected=(difference >= settings.difference_limit) & (over_floor >= settings.floor_limit),
-        rope_mode=np.full(count, rope),
-        near_rope=(rope > 0) & (np.abs(offset - rope) <= width),
+        rope_mode=np.full(len(found), rope),
+        near_rope=(rope > 0) & (np.abs(offset - rope) <= LINE_WIDTH * resolution),
         **columns,
     )
 
 
-class _Placed(NamedTuple):
-    """A line between bins: its amplitude is the largest within `reach` (Hz) of its `frequency` (Hz)."""
+class _Line(NamedTuple):
+    """A line n f_m + k f_r, or one between bins: its amplitude is the largest within `reach` (Hz) of its place (Hz)."""
 
     kind: str
     label: str
+    mesh_harmonic: int
     order: int
-    frequency: float
+    place: float
     reach: float
 
 
-def _placed_lines(settings: DiagnosisSettings, resolution: float, top: float) -> list[_Placed]:
+def _placed_lines(settings: DiagnosisSettings, resolution: float, top: float) -> list[_Line]:
     """Lines of bearings and shafts that a spectrum with the resolution (Hz) contains, up to `top` (Hz)."""
     least = resolution / 2  # excludes the mean
-    found = [_Placed("bearing", name, 0, f, 0.0) for name, f in settings.bearings.items() if least < f <= top]
+    found = [_Line("bearing", name, 0, 0, f, 0.0) for name, f in settings.bearings.items() if least < f <= top]
     for spall in settings.passes:
         for name, k, f in spall.monitored():
             reach = max(resolution, spall.spread * f)
             if least < f < top - reach:
-                found.append(_Placed("pass", name, k, f, reach))
-    for fault in settings.turning:
-        for name, k, f in fault.monitored():
-            if readable(f, resolution, top):
-                found.append(_Placed("shaft", name, k, f, resolution))
+                found.append(_Line("pass", name, 0, k, f, reach))
+    turning = [line for fault in settings.turning for line in fault.monitored()]
+    found += [_Line("shaft", name, 0, k, f, resolution) for name, k, f in turning if readable(f, resolution, top)]
     return list(dict.fromkeys(found))  # faults of one shaft have the same lines
 
 
@@ -212,20 +195,3 @@ def _label(n: int, k: int) -> str:
         return order
     mesh = "f_m" if n == 1 else f"{n} f_m"
     return mesh if k == 0 else f"{mesh} {'+' if k > 0 else '-'} {order}"
-
-
-def _check_comparable(faulty: xarray.Dataset, healthy: xarray.Dataset) -> None:
-    for name in ("load", "seed", "iso_grade", "sensor_noise_m_s2"):
-        left, right = faulty.attrs.get(name), healthy.attrs.get(name)
-        if left != right:
-            raise DiagnosisError(
-                f"{name}: {left!r} in the faulty run, {right!r} in the healthy one; "
-                "a control differs in the fault alone"
-            )
-    if "load" not in faulty.attrs:
-        raise DiagnosisError("load: attribute missing in both runs; the model of the load is expected")
-    if faulty.time.size != healthy.time.size or sampling(faulty) != sampling(healthy):
-        raise DiagnosisError(
-            f"time: {faulty.time.size} samples in the faulty run, {healthy.time.size} in the healthy one, "
-            "or different rates; run both with the same duration and output rate"
-        )

@@ -12,10 +12,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from pipelines.diagnosis import verdict_words
 from pipelines.diagnosis.verdict import Finding, Verdict, decibels
-from pipelines.io.text_table import Grid
+from pipelines.io.text_table import Grid, grid
 from pipelines.signals.line_table import LOADS
 
 
@@ -148,24 +149,22 @@ def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
     """Table with one row for each case and damage: evidence of the damaged component, its rank, and the tooth."""
     rows = []
     for case in cases:
-        order = [one.component for one in case.verdict.findings]
+        ranked = {one.component: (place, one) for place, one in enumerate(case.verdict.findings, 1)}
+        known = {"load": LOADS.get(case.load, case.load), "deviations": case.deviations, "window": case.window}
         for damage in damages:
-            start = (LOADS.get(case.load, case.load), case.deviations, case.window, damage.component)
-            if damage.component not in order:
-                rows.append((*start, "not examined", *[""] * 5))
-                continue
-            place = order.index(damage.component)
-            one = case.verdict.findings[place]
-            answer = "found" if found(case, damage, damages) is not None else "not found"
-            channel = f"{one.evidence.sensor} {one.evidence.axis}"
-            tooth = "" if one.tooth is None else str(one.tooth)
-            strength = verdict_words.strength(one.evidence)
-            rows.append((*start, answer, decibels(one.evidence.increase), strength, channel, str(place + 1), tooth))
-    known = ("load", "deviations", "window", "damaged", "answer")
-    head = (*known, "increase dB", verdict_words.STRENGTH, "channel", "rank", "tooth")
-    return Grid(
-        title="The diagnosis next to the damage of the scene, which it does not use", headers=head, rows=tuple(rows)
-    )
+            row: dict[str, Any] = {**known, "damaged": damage.component, "answer": "not examined"}
+            if damage.component in ranked:
+                place, one = ranked[damage.component]
+                row |= {
+                    "answer": "not found" if found(case, damage, damages) is None else "found",
+                    "increase dB": decibels(one.evidence.increase),
+                    verdict_words.STRENGTH: verdict_words.strength(one.evidence),
+                    "channel": f"{one.evidence.sensor} {one.evidence.axis}",
+                    "rank": place,
+                    "tooth": one.tooth,
+                }
+            rows.append(row)
+    return grid("The diagnosis next to the damage of the scene, which it does not use", rows)
 
 
 def text(cases: Sequence[Case], damages: Sequence[Damage]) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.known_damage import deviation_words
-from pipelines.io.text_table import Grid
+from pipelines.io.text_table import Grid, grid
 from pipelines.signals.line_table import IN_ENVELOPE, LOADS, LineTable
 
 EQUAL = 1.0  # dB; modulations this close are called equal
@@ -63,49 +63,44 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
     lines = diagnosis.lines.where(window=window)
     rope = diagnosis.settings.rope_mode.get(window, 0.0)
     low, high = diagnosis.band
-    headers = ("line", "Hz", "faulty m/s²", "healthy m/s²", "difference dB", "over floor dB", "healthy over floor dB")
-    rows, marked = [], set()
-    for i in range(len(lines)):
-        where = "envelope " if lines.kind[i] in IN_ENVELOPE else ""
-        found = "detected" if lines.detected[i] else "-"
-        if lines.kind[i] in ("mesh", "bearing"):
-            found = f"{lines.kind[i]} line"
-        elif lines.detected[i]:
-            marked.add(i)
-        near = ("on this line" if lines.near_rope[i] else f"{rope:.2f}",) if rope else ()
-        rows.append(
-            (
-                where + lines.label[i],
-                f"{lines.frequency[i]:.3f}",
-                f"{lines.faulty[i]:.3g}",
-                f"{lines.healthy[i]:.3g}",
-                f"{lines.difference[i]:+.1f}",
-                f"{lines.over_floor[i]:+.1f}",
-                f"{lines.healthy_over_floor[i]:+.1f}",
-                found,
-                *near,
-            )
-        )
+    marks = [
+        f"{kind} line" if kind in ("mesh", "bearing") else "detected" if detected else "-"
+        for kind, detected in zip(lines.kind, lines.detected, strict=True)
+    ]
+    rows = [
+        {
+            "line": _named(lines, i),
+            "Hz": f"{lines.frequency[i]:.3f}",
+            "faulty m/s²": f"{lines.faulty[i]:.3g}",
+            "healthy m/s²": f"{lines.healthy[i]:.3g}",
+            "difference dB": f"{lines.difference[i]:+.1f}",
+            "over floor dB": f"{lines.over_floor[i]:+.1f}",
+            "healthy over floor dB": f"{lines.healthy_over_floor[i]:+.1f}",
+            "mark": mark,
+            **({"rope mode Hz": "on this line" if lines.near_rope[i] else f"{rope:.2f}"} if rope else {}),
+        }
+        for i, mark in enumerate(marks)
+    ]
     place = f"{diagnosis.settings.sensor} {diagnosis.settings.axis}"
     title = f"{_capital(window)}, {case_name(diagnosis)}, {place}; envelope of {low:.4g} to {high:.4g} Hz"
-    last = ("mark", "rope mode Hz") if rope else ("mark",)
-    return Grid(title=title, headers=(*headers, *last), rows=tuple(rows), marked=frozenset(marked))
+    return grid(title, rows, frozenset(i for i, mark in enumerate(marks) if mark == "detected"))
 
 
 def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
     """Table of the difference of every line, faulty over healthy, with one column for each set of deviations."""
     chosen = sorted((d for d in diagnoses if d.load == load), key=lambda d: _seed_order(d.deviations))
-    tables = [d.lines.where(window=window).of("envelope", "sideband", "pass", "shaft") for d in chosen]
-    rows = []
-    for i, label in enumerate(tables[0].label):
-        where = "envelope " if tables[0].kind[i] in IN_ENVELOPE else ""
-        cells = [f"{t.difference[i]:+.1f}" + (" ●" if t.detected[i] else "") for t in tables]
-        rows.append(
-            (where + label, f"{tables[0].frequency[i]:.3f}", *cells, str(sum(int(t.detected[i]) for t in tables)))
-        )
     names = ["error-free" if d.deviations == "off" else d.deviations for d in chosen]
-    title = f"{_capital(window)}, {LOADS.get(load, load)}: faulty over healthy in dB (● detected)"
-    return Grid(title=title, headers=("line", "Hz", *names, "detected in"), rows=tuple(rows))
+    tables = [d.lines.where(window=window).of("envelope", "sideband", "pass", "shaft") for d in chosen]
+    rows = [
+        {
+            "line": _named(tables[0], i),
+            "Hz": f"{frequency:.3f}",
+            **{name: f"{t.difference[i]:+.1f}{' ●' * t.detected[i]}" for name, t in zip(names, tables, strict=True)},
+            "detected in": str(sum(t.detected[i] for t in tables)),
+        }
+        for i, frequency in enumerate(tables[0].frequency)
+    ]
+    return grid(f"{_capital(window)}, {LOADS.get(load, load)}: faulty over healthy in dB (● detected)", rows)
 
 
 def markdown(diagnoses: Sequence[Diagnosis]) -> str:
@@ -113,12 +108,13 @@ def markdown(diagnoses: Sequence[Diagnosis]) -> str:
     parts = [criterion(diagnoses[0]), directions(diagnoses[0])]
     for load in dict.fromkeys(d.load for d in diagnoses):
         for window in dict.fromkeys(w for d in diagnoses if d.load == load for w in d.settings.windows):
-            parts.append(_titled(seeds_grid(diagnoses, load, window)))
+            table = seeds_grid(diagnoses, load, window)
+            parts.append(f"**{table.title}**\n\n{table.to_markdown()}")
     return "\n\n".join(filter(None, parts)) + "\n"
 
 
-def _titled(grid: Grid) -> str:
-    return f"**{grid.title}**\n\n{grid.to_markdown()}"
+def _named(lines: LineTable, row: int) -> str:
+    return ("envelope " if lines.kind[row] in IN_ENVELOPE else "") + lines.label[row]
 
 
 def _seed_order(deviations: str) -> tuple[int, int]:

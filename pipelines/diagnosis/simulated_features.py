@@ -11,7 +11,7 @@ import numpy as np
 
 from pipelines.signals.analysis import channel_names, noisy_channel
 from pipelines.signals.features.feature_table import FeatureTable
-from pipelines.signals.features.recording_features import recording_features
+from pipelines.signals.features.recording_features import FeatureError, recording_features
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.rotation import Rotation
 from pipelines.signals.orders.rotation_of import rotation_of
@@ -46,11 +46,10 @@ def run_features(run: xarray.Dataset, settings: FeatureSettings, rotation: Rotat
     FeatureError : see `recording_features`
     RotationError : see `pipelines.signals.orders.rotation_of`
     """
+    noisy = with_stated_noise(run)
     if rotation is None:
         rotation = rotation_of(run, settings.kinematics)
-    return recording_features(
-        with_stated_noise(run), settings.kinematics, rotation, settings.windows, settings.complete
-    )
+    return recording_features(noisy, settings.kinematics, rotation, settings.windows, settings.complete)
 
 
 def window_features(run: xarray.Dataset, settings: FeatureSettings, samples: int = 1) -> dict[str, list[FeatureTable]]:
@@ -58,8 +57,8 @@ def window_features(run: xarray.Dataset, settings: FeatureSettings, samples: int
 
     Other arguments and errors are as for `run_features`.
     """
-    rotation = rotation_of(run, settings.kinematics)
     noisy = [with_stated_noise(run, sample) for sample in range(samples)]
+    rotation = rotation_of(run, settings.kinematics)
     return {
         name: [recording_features(one, settings.kinematics, rotation, {name: window}) for one in noisy]
         for name, window in settings.windows.items()
@@ -71,8 +70,14 @@ def with_stated_noise(run: xarray.Dataset, sample: int = 0) -> xarray.Dataset:
 
     The seed of the noise follows from the signals and the number of the sample. The noise of a run is therefore
     repeatable, and differs from that of any other run.
+
+    Raises
+    ------
+    FeatureError : there are no accelerations
     """
     name = "acceleration" if "acceleration" in run else "journal_acceleration"
+    if name not in run:
+        raise FeatureError("the recording holds no accelerations. Add sensors to the scene, or give another recording")
     stored = run[name].transpose("time", ...).values.astype(np.float32)  # as in every file of the same signals
     stream = zlib.crc32(stored.tobytes()) + sample
     axes = [str(axis) for axis in run.axis.values]

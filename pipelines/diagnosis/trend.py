@@ -18,7 +18,7 @@ from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P, LEAST_SPREAD,
 from pipelines.diagnosis.impacts import CLEAR, Impacts
 from pipelines.diagnosis.verdict import DIFFERENT, Verdict
 from pipelines.diagnosis.verdict_words import STRENGTH
-from pipelines.io.text_table import Grid
+from pipelines.io.text_table import Grid, grid
 from pipelines.signals.levels import ChannelLevel
 
 _LEVELS = (("acceleration", "m/s²", 1.0), ("velocity", "mm/s", 1000.0))  # name, unit, factor from SI
@@ -106,20 +106,18 @@ def level_courses(levels: Sequence[Sequence[ChannelLevel]], healthy: Sequence[Se
 
 def trend_grid(courses: Sequence[Course]) -> Grid:
     """Table with a row for each course and a column for each recording by its number."""
-    rows = tuple(
-        (
-            one.name,
-            one.unit,
-            "-" if one.healthy is None else " to ".join(_cell(end, one.unit) for end in one.healthy),
-            "-" if one.limit is None else _cell(one.limit, one.unit),
-            "-" if one.first is None else str(one.first),
-            *("-" if math.isnan(value) else _cell(value, one.unit) for value in one.values),
-        )
+    rows = [
+        {
+            "component or channel": one.name,
+            "unit": one.unit,
+            "healthy": "-" if one.healthy is None else " to ".join(_cell(end, one.unit) for end in one.healthy),
+            "limit": "-" if one.limit is None else _cell(one.limit, one.unit),
+            "first above": one.first or "-",
+            **{str(n): "-" if math.isnan(value) else _cell(value, one.unit) for n, value in enumerate(one.values, 1)},
+        }
         for one in courses
-    )
-    numbers = [str(number) for one in courses[:1] for number in range(1, len(one.values) + 1)]
-    headers = ("component or channel", "unit", "healthy", "limit", "first above", *numbers)
-    return Grid(title="Trend over the recordings 1, 2, ...", headers=headers, rows=rows)
+    ]
+    return grid("Trend over the recordings 1, 2, ...", rows)
 
 
 def trend_facts(courses: Sequence[Course], names: Sequence[str]) -> list[Mapping[str, Any]]:

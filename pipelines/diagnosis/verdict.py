@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fem.storage import shown_html
-from pipelines.diagnosis.deviation_statistics import clopper_pearson
 from pipelines.signals.orders.kinematics import PARTS
 
 DIFFERENT, ALARM = 0.01, 0.001  # probabilities that a healthy machine is called different, or damaged
@@ -137,10 +136,6 @@ class Verdict:
         ]
         head = ("component", "increase, dB", "channel", "p-value", "tooth", "same orders as")
         return shown_html.table(self._words(), head, rows)
-
-    def interval(self, count: int) -> tuple[float, float]:
-        """95 % confidence interval of the rate of false answers, `count` of the tested healthy recordings."""
-        return clopper_pearson(count, self.tested)
 
 
 def decibels(increase: float) -> str:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from pipelines.diagnosis.baseline_checks import FEWEST_FOR_OUTLYING
-from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
+from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P, clopper_pearson
 from pipelines.diagnosis.impacts import CLEAR
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Evidence, Finding, Verdict, decibels
-from pipelines.io.text_table import Grid
+from pipelines.io.text_table import Grid, grid
 from pipelines.signals.features.definitions import BY_NAME
 from pipelines.signals.features.feature_table import left_out_words
 
@@ -88,12 +88,13 @@ def compared(verdict: Verdict) -> list[str]:
             f"The limits follow from the scatter of {verdict.healthy} samples of the sensor noise. Add --baseline 8 to "
             "compare with healthy machines of other deviations."
         ]
-    many = f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."
-    found = [many]
+    found = [f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."]
     found += ["Their levels depend on the speed and are taken at that of this recording."] if verdict.at_speed else []
     if verdict.outlying:
-        names = ", ".join(verdict.outlying)
-        found.append(f"Left out because they differ from the other healthy recordings: {names}. Check them.")
+        found.append(
+            f"Left out because they differ from the other healthy recordings: {', '.join(verdict.outlying)}. "
+            "Check them."
+        )
     if verdict.healthy + len(verdict.outlying) < FEWEST_FOR_OUTLYING:
         found.append(f"Give {FEWEST_FOR_OUTLYING} or more to find a damaged one among them.")
     if verdict.damaged is None:
@@ -105,7 +106,8 @@ def compared(verdict: Verdict) -> list[str]:
     if verdict.tested:
         called = (verdict.false_alarms, verdict.false_differences)
         rates = (
-            f"{100 * low:.2g} to {100 * high:.2g} %" for low, high in (verdict.interval(len(one)) for one in called)
+            f"{100 * low:.2g} to {100 * high:.2g} %"
+            for low, high in (clopper_pearson(len(one), verdict.tested) for one in called)
         )
         damaged, different = (f" ({', '.join(one)})" if one else "" for one in called)
         found.append(
@@ -118,19 +120,19 @@ def compared(verdict: Verdict) -> list[str]:
 
 def ranking_grid(verdict: Verdict) -> Grid:
     """Table of all components, the strongest evidence first, then those that are not examined."""
-    rows = tuple(
-        (
-            one.component,
-            decibels(one.evidence.increase),
-            strength(one.evidence),
-            f"{one.evidence.sensor} {one.evidence.axis}",
-            "" if one.tooth is None else str(one.tooth),
-            ", ".join(one.alike),
-        )
+    found = [
+        {
+            "component": one.component,
+            "increase dB": decibels(one.evidence.increase),
+            STRENGTH: strength(one.evidence),
+            "channel": f"{one.evidence.sensor} {one.evidence.axis}",
+            "tooth": one.tooth,
+            "same orders as": one.alike,
+        }
         for one in verdict.findings
-    ) + tuple((name, "", "", "not examined", "", "") for name in verdict.not_examined)
-    headers = ("component", "increase dB", STRENGTH, "channel", "tooth", "same orders as")
-    return Grid(title="Components by their evidence", headers=headers, rows=rows)
+    ]
+    others = [{"component": name, "channel": "not examined"} for name in verdict.not_examined]
+    return grid("Components by their evidence", [*found, *others])
 
 
 def text(verdict: Verdict) -> str:

@@ -71,7 +71,6 @@ def build_here(step: Step, key: str, upstream: Mapping[str, Result], cache: Cach
     cache : where the result is stored
     """
     inputs = step.received(lambda name: upstream[name].load())
-    inputs |= {key: read(inputs[key]) for key, read in step.reads.items() if key in inputs}
     if not step.streams:
         return _built(step, key, upstream, cache, inputs)
     with cache.workplace() as folder:

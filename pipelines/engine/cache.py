@@ -62,18 +62,14 @@ class Cache:
             return None
         try:
             entry = verified(folder, thorough=thorough)
-            if entry.facts["key"] != key:
-                raise Damaged("the key does not match")
         except Damaged as damage:
             self.discard(folder, str(damage))
             return None
         except OSError as error:
             warn_without(self.folder, error)
             return None
-        try:
+        with contextlib.suppress(OSError):
             os.utime(folder / MANIFEST)  # last use, for `clear --older-than`
-        except OSError:
-            _LOG.debug("cannot note the use of %s", folder.name)
         return entry
 
     def discard(self, folder: Path, damage: str) -> None:
@@ -257,12 +253,9 @@ class Cache:
     def _sweep(self, seconds: float = _STALE_SECONDS) -> None:
         """Delete files of killed processes that are older than some seconds."""
         for path in filter(is_partial, self._partial.iterdir()) if self._partial.is_dir() else ():
-            try:
+            with contextlib.suppress(FileNotFoundError):  # another process sweeps, too
                 last = max(one.stat().st_mtime for one in (path, *path.rglob("*")))
-                if time.time() - last >= seconds:
-                    if path.is_dir():
-                        shutil.rmtree(path, ignore_errors=True)
-                    else:
-                        path.unlink(missing_ok=True)  # a lock file of `alone` whose process has ended
-            except FileNotFoundError:
-                _LOG.debug("%s was swept by another process", path.name)
+                if time.time() - last >= seconds and path.is_dir():
+                    shutil.rmtree(path, ignore_errors=True)
+                elif time.time() - last >= seconds:
+                    path.unlink(missing_ok=True)  # a lock file of `alone` whose process has ended

@@ -14,7 +14,7 @@ from statistics import median
 
 from pipelines.engine.cache import Cache
 from pipelines.engine.entry_manifest import Entry
-from pipelines.engine.step import Step, seconds_to_the_end, stored, whole
+from pipelines.engine.step import Step, seconds_to_the_end, stored_contents, whole
 
 _LOOKED_AT = 3  # newest stored results of a kind
 _PRIOR = 10.0  # s: finished steps that took much less hardly change the scale
@@ -132,20 +132,14 @@ class Remaining:
 
 def expected(steps: Iterable[Step], cache: Cache) -> list[Task]:
     """The tasks of the steps that are not in the cache, as far as this is known before any step is built."""
-    contents: dict[str, str] = {}
+    steps = list(steps)
+    contents, _ = stored_contents(steps, cache, {}, _like)
+    missing = [step for step in steps if step.name not in contents]
     factors: dict[str, float | None] = {}
-    missing: list[Step] = []
-    for step in steps:
-        if all(name in contents for name in step.inputs):
-            entry = stored(step, cache, contents, thorough=False) or _like(step, cache, contents)
-            if entry is not None:
-                contents[step.name] = entry.facts["content"]
-                continue
-        if step.kind not in factors:
-            facts = [entry.facts for entry in _newest(cache, step.kind)]
-            ratios = [one["seconds"] / one["estimate"] for one in facts if one.get("estimate")]
-            factors[step.kind] = median(ratios) if ratios else None
-        missing.append(step)
+    for kind in dict.fromkeys(step.kind for step in missing):
+        facts = [entry.facts for entry in _newest(cache, kind)]
+        ratios = [one["seconds"] / one["estimate"] for one in facts if one.get("estimate")]
+        factors[kind] = median(ratios) if ratios else None
     known = [factor for factor in factors.values() if factor is not None]
     machine = median(known) if known else 1.0
     compiled = [path.name for path in cache.compiled()]

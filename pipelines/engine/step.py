@@ -41,8 +41,7 @@ class Step:
     `kind` names the cache entries; steps of one kind with equal inputs share one entry. `build` is a function of a
     module (not a lambda); its counts (`fem.storage.ledger`) are stored with the result. `takes` maps parameters of
     `build` to the names of the steps whose results they receive; several names give a list. `seconds` is the expected
-    time; long steps that are independent run in parallel. `reads` maps parameters to functions of a module that
-    extract from a large result what `build` needs.
+    time; long steps that are independent run in parallel.
     """
 
     name: str
@@ -54,7 +53,6 @@ class Step:
     libraries: tuple[str, ...] = ("numpy",)
     seconds: float = 0.1
     streams: bool = False  # `build` takes a `folder` for arrays too large for memory; None if none can be written
-    reads: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)  # by parameter
     enough: str = ""  # a number in `spec`; a stored result for a larger number can also be used
     prepare: Callable[..., None] | None = None  # ``prepare(spec, *results)`` compiles while other steps are built
     prepare_takes: tuple[str, ...] = ()
@@ -222,18 +220,24 @@ def stored(step: Step, cache: Cache, contents: Mapping[str, str], *, thorough: b
     return cache.find(step.kind, min(serving)[1], thorough=thorough) if serving else None
 
 
-def stored_contents(steps: Iterable[Step], cache: Cache, known: Mapping[str, str]) -> tuple[dict[str, str], list[Step]]:
+def stored_contents(
+    steps: Iterable[Step],
+    cache: Cache,
+    known: Mapping[str, str],
+    like: Callable[[Step, Cache, Mapping[str, str]], Entry | None] = lambda step, cache, contents: None,
+) -> tuple[dict[str, str], list[Step]]:
     """Digests by name of the results that are known or stored, and the missing steps that could be built now.
 
     Parameters
     ----------
     steps, cache : each step after its inputs, and the cache of results
     known : digests by name
+    like : a stored result that is expected to be that of a step, if its own is not stored
     """
     contents, missing = dict(known), []
     for step in steps:
         if step.name not in contents and all(name in contents for name in step.inputs):
-            entry = stored(step, cache, contents, thorough=False)
+            entry = stored(step, cache, contents, thorough=False) or like(step, cache, contents)
             if entry is None:
                 missing.append(step)
             else:

@@ -15,7 +15,7 @@ import os
 import re
 import shutil
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ from pipelines.engine.code_version import OWN_PACKAGES
 CONTENTS = "contents.json"  # the table of contents of a stored value: a tree of nodes
 DEPTH = 50
 SHORT = 100  # longest array whose elements are compared one by one
+LONG = 200  # characters of a text that is stored in a file of its own
 _FILE = re.compile(r"part_\d+\.[a-z0-9]+")
 _TYPE = re.compile(r"([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*):([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)")
 
@@ -42,9 +43,7 @@ class StorageError(TypeError):
 
 def save_value(folder: Path, value: Any) -> None:
     """Write `value` into an empty folder."""
-    files = _Files(folder)
-    node = files.save(value)
-    (folder / CONTENTS).write_text(json.dumps(node), encoding="utf-8")
+    (folder / CONTENTS).write_text(json.dumps(_Files(folder).save(value)), encoding="utf-8")
 
 
 def reader(folder: Path) -> Callable[[], Any]:
@@ -60,10 +59,11 @@ def reader(folder: Path) -> Callable[[], Any]:
     OSError : the table cannot be read
     """
     try:
-        node = json.loads((folder / CONTENTS).read_text(encoding="utf-8"))
-    except (ValueError, RecursionError) as error:
+        return _reader(folder, json.loads((folder / CONTENTS).read_text(encoding="utf-8")), 0)
+    except ContentsError:
+        raise
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise ContentsError(f"{CONTENTS} cannot be read") from error
-    return _reader(folder, node, 0)
 
 
 def digest(value: Any) -> str:
@@ -75,12 +75,10 @@ def flat(value: Any, path: str = "") -> dict[str, Any]:
     """The leaves of a value by dotted path, with digests for records and large arrays; items of lists count from 1."""
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.size <= SHORT and np.isfinite(value).all():
         value = value.tolist()
-    if isinstance(value, Record) or _is_dataset(value) or isinstance(value, np.ndarray | bytes):
+    if isinstance(value, Record) or (_file_kind(value) and not isinstance(value, str)):
         return {path: digest(value)[:16]}
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        value = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
-    elif hasattr(value, "model_dump"):
-        value = value.model_dump(mode="json")
+    if _is_dataclass(value):
+        value = _fields(value)
     join = f"{path}." if path else ""
     if isinstance(value, Mapping):
         return {k: v for key, item in value.items() for k, v in flat(item, f"{join}{key}").items()}
@@ -94,15 +92,12 @@ def flat(value: Any, path: str = "") -> dict[str, Any]:
 def class_modules(value: Any) -> set[str]:
     """Modules of the classes of this program in a value, since the result depends on their code."""
     found: set[str] = set()
-    parts: Iterable[Any] = ()
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        parts = [getattr(value, field.name) for field in dataclasses.fields(value)]
+    if _is_dataclass(value):
         found = {type(value).__module__} if type(value).__module__.partition(".")[0] in OWN_PACKAGES else set()
-    elif isinstance(value, Mapping):
-        parts = value.values()
-    elif isinstance(value, list | tuple):
-        parts = value
-    return found.union(*map(class_modules, parts))
+        value = _fields(value)
+    if isinstance(value, Mapping):
+        value = list(value.values())
+    return found.union(*map(class_modules, value if isinstance(value, list | tuple) else ()))
 
 
 class _Files:
@@ -129,28 +124,16 @@ class _Files:
             arrays = {name: self.linked(array.path) for name, array in value.stored_arrays().items()}
             value.save(path, without=arrays)
             return {"kind": "record", "type": _loadable(value), "file": path.name, "arrays": arrays}
-        if _is_dataset(value):
-            path = self.path(".nc")
-            path.write_bytes(value.to_netcdf(engine="h5netcdf"))
-            return {"kind": "dataset", "file": path.name}
-        if isinstance(value, np.ndarray):
-            path = self.path(".npy")
-            np.save(path, value, allow_pickle=False)
-            return {"kind": "array", "file": path.name}
-        if isinstance(value, str) and len(value) > 200:
-            path = self.path(".txt")
-            path.write_bytes(value.encode())
-            return {"kind": "text", "file": path.name}
-        if isinstance(value, bytes):
-            path = self.path(".bin")
-            path.write_bytes(value)
-            return {"kind": "bytes", "file": path.name}
-        if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        if kind := _file_kind(value):
+            suffix, write, _ = _FILES[kind]
+            path = self.path(suffix)
+            write(path, value)
+            return {"kind": kind, "file": path.name}
+        if _is_dataclass(value):
             items = {f.name: self.save(getattr(value, f.name)) for f in dataclasses.fields(value) if f.init}
             return {"kind": "dataclass", "type": _loadable(value), "items": items}
         if isinstance(value, Mapping):
-            _only_text_keys(value)
-            return {"kind": "dict", "items": {key: self.save(item) for key, item in value.items()}}
+            return {"kind": "dict", "items": {key: self.save(value[key]) for key in _text_keys(value)}}
         if isinstance(value, list | tuple):
             kind = "list" if isinstance(value, list) else "tuple"
             return {"kind": kind, "items": [self.save(item) for item in value]}
@@ -161,16 +144,16 @@ def _reader(folder: Path, node: Any, depth: int) -> Callable[[], Any]:
     """The function that reads a node. A node can name only parts of the folder and classes that can be stored."""
     if depth > DEPTH:
         raise ContentsError(f"{CONTENTS} is nested more than {DEPTH} deep")
-    match _table(node).get("kind"):
+    match node.get("kind"):
         case "record":
-            record, file = stored_class(_text(node.get("type")), record=True), _file(folder, node.get("file"))
-            arrays = {name: _file(folder, given) for name, given in _table(node.get("arrays")).items()}
+            record, file = stored_class(node["type"], record=True), _file(folder, node["file"])
+            arrays = {name: _file(folder, given) for name, given in node["arrays"].items()}
             return lambda: record.load(file, **{name: StoredArray(path) for name, path in arrays.items()})
         case "dataset" | "array" | "text" | "bytes" as kind:
-            return functools.partial(_FILES[kind], _file(folder, node.get("file")))
+            return functools.partial(_FILES[kind][2], _file(folder, node["file"]))
         case "dataclass":
-            found = stored_class(_text(node.get("type")), record=False)
-            if set(_table(node.get("items"))) != {f.name for f in dataclasses.fields(found) if f.init}:
+            found = stored_class(node["type"], record=False)
+            if set(node["items"]) != {f.name for f in dataclasses.fields(found) if f.init}:
                 raise ContentsError(f"{node['type']} has other fields")
             values = _readers(folder, node, depth)
             return lambda: found(**{name: value() for name, value in values.items()})
@@ -178,8 +161,6 @@ def _reader(folder: Path, node: Any, depth: int) -> Callable[[], Any]:
             values = _readers(folder, node, depth)
             return lambda: {name: value() for name, value in values.items()}
         case "list" | "tuple" as kind:
-            if not isinstance(node.get("items"), list):
-                raise ContentsError("the items of a list are not a list")
             items = [_reader(folder, item, depth + 1) for item in node["items"]]
             return lambda: (list if kind == "list" else tuple)(item() for item in items)
         case "plain":
@@ -190,7 +171,7 @@ def _reader(folder: Path, node: Any, depth: int) -> Callable[[], Any]:
 
 
 def _readers(folder: Path, node: Mapping[str, Any], depth: int) -> dict[str, Callable[[], Any]]:
-    return {name: _reader(folder, item, depth + 1) for name, item in _table(node.get("items")).items()}
+    return {name: _reader(folder, item, depth + 1) for name, item in node["items"].items()}
 
 
 def _load_dataset(path: Path) -> Any:
@@ -199,34 +180,38 @@ def _load_dataset(path: Path) -> Any:
     return xarray.load_dataset(path, engine="h5netcdf")
 
 
-_FILES: dict[str, Callable[[Path], Any]] = {  # functions that read a single file, by kind
-    "dataset": _load_dataset,
-    "array": functools.partial(np.load, allow_pickle=False),
-    "text": lambda path: path.read_bytes().decode(),
-    "bytes": Path.read_bytes,
+_FILES: dict[str, tuple[str, Callable[[Path, Any], Any], Callable[[Path], Any]]] = {  # suffix, writer and reader
+    "dataset": (".nc", lambda path, value: path.write_bytes(value.to_netcdf(engine="h5netcdf")), _load_dataset),
+    "array": (".npy", functools.partial(np.save, allow_pickle=False), functools.partial(np.load, allow_pickle=False)),
+    "text": (".txt", lambda path, value: path.write_bytes(value.encode()), lambda path: path.read_bytes().decode()),
+    "bytes": (".bin", Path.write_bytes, Path.read_bytes),
 }
 
 
-def _file(folder: Path, given: Any) -> Path:
+def _file_kind(value: Any) -> str:
+    """The kind of a value that is stored in a file, see `_FILES`; "" for other values."""
+    if isinstance(value, str):
+        return "text" if len(value) > LONG else ""
+    if _is_dataset(value):
+        return "dataset"
+    return "array" if isinstance(value, np.ndarray) else "bytes" if isinstance(value, bytes) else ""
+
+
+def _is_dataclass(value: Any) -> bool:
+    return dataclasses.is_dataclass(value) and not isinstance(value, type)
+
+
+def _fields(value: Any) -> dict[str, Any]:
+    return {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+
+
+def _file(folder: Path, name: str) -> Path:
     """The file in this folder that a node names."""
-    name = _text(given)
     if not _FILE.fullmatch(name):
         raise ContentsError(f"{name[:80]!r} is not the name of a part")
     if (folder / name).is_symlink() or not (folder / name).is_file():
         raise ContentsError(f"{name} is missing")
     return folder / name
-
-
-def _text(value: Any) -> str:
-    if not isinstance(value, str):
-        raise ContentsError(f"a {type(value).__name__} is in the place of a name")
-    return value
-
-
-def _table(value: Any) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise ContentsError(f"a {type(value).__name__} is in the place of a table")
-    return value
 
 
 def type_name(value: Any) -> str:
@@ -253,11 +238,9 @@ def stored_class(name: str, *, record: bool) -> Any:
     for part in qualified.split("."):
         found = getattr(found, part, None)
     itself = isinstance(found, type) and (found.__module__, found.__qualname__) == (module, qualified)
-    if record and itself and issubclass(found, Record):
-        return found
-    if not record and itself and ours and dataclasses.is_dataclass(found):
-        return found
-    raise ContentsError(f"{name[:80]} is not a {'record' if record else 'dataclass of gearcase'}")
+    if not itself or not (issubclass(found, Record) if record else ours and dataclasses.is_dataclass(found)):
+        raise ContentsError(f"{name[:80]} is not a {'record' if record else 'dataclass of gearcase'}")
+    return found
 
 
 def _fingerprint(value: Any) -> Any:
@@ -273,14 +256,11 @@ def _fingerprint(value: Any) -> Any:
         return ["array", _array_digest(value)]
     if isinstance(value, bytes):
         return ["bytes", hashlib.sha256(value).hexdigest()]
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        items = {f.name: _fingerprint(getattr(value, f.name)) for f in dataclasses.fields(value)}
+    if _is_dataclass(value):
+        items = {name: _fingerprint(item) for name, item in _fields(value).items()}
         return ["dataclass", type_name(value), items]
-    if hasattr(value, "model_dump"):
-        return ["model", type(value).__name__, value.model_dump(mode="json")]
     if isinstance(value, Mapping):
-        _only_text_keys(value)
-        return ["dict", {key: _fingerprint(item) for key, item in value.items()}]
+        return ["dict", {key: _fingerprint(value[key]) for key in _text_keys(value)}]
     if isinstance(value, list | tuple):
         return ["list", [_fingerprint(item) for item in value]]
     return _plain(value)
@@ -298,8 +278,7 @@ def _plain(value: Any) -> Any:
 
 def _array_digest(array: np.ndarray) -> str:
     if array.dtype.hasobject or array.dtype.kind in "UT":
-        content = json.dumps([str(item) for item in array.ravel()]).encode()
-        kind = "text"
+        content, kind = json.dumps([str(item) for item in array.ravel()]).encode(), "text"
     else:
         content, kind = np.ascontiguousarray(array).tobytes(), array.dtype.str
     return hashlib.sha256(f"{kind}{array.shape}".encode() + content).hexdigest()
@@ -313,10 +292,10 @@ def _is_dataset(value: Any) -> bool:
     return type(value).__module__.startswith("xarray") and hasattr(value, "to_netcdf")
 
 
-def _only_text_keys(value: Mapping[Any, Any]) -> None:
-    wrong = [key for key in value if not isinstance(key, str)]
-    if wrong:
+def _text_keys(value: Mapping[Any, Any]) -> list[str]:
+    if wrong := [key for key in value if not isinstance(key, str)]:
         raise StorageError(f"the keys of a table must be text, {wrong[0]!r} is not")
+    return list(value)
 
 
 def _loadable(value: Any) -> str:

@@ -10,23 +10,14 @@ from typing import Any
 WIDTH = 100  # characters of a line of a table on the terminal
 
 
-class GridError(ValueError):
-    """A row does not have one cell per header."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Grid:
-    """Cells as they are shown. Columns whose cells all start like numbers are set to the right."""
+    """Cells as they are shown, one per header. Columns whose cells all start like numbers are set to the right."""
 
     title: str
     headers: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     marked: frozenset[int] = frozenset()  # rows that are set off: detected lines
-
-    def __post_init__(self) -> None:
-        for i, row in enumerate(self.rows):
-            if len(row) != len(self.headers):
-                raise GridError(f"{self.title}: row {i} has {len(row)} cells for {len(self.headers)} headers")
 
     def numeric(self) -> tuple[bool, ...]:
         """Which columns hold numbers."""
@@ -53,16 +44,14 @@ class Grid:
 
     def to_markdown(self) -> str:
         """A Markdown table; rows that are set off are bold."""
-        rule = ["---:" if right else "---" for right in self.numeric()]
-        lines = [list(self.headers), rule]
+        lines = [list(self.headers), ["---:" if right else "---" for right in self.numeric()]]
         for i, row in enumerate(self.rows):
             lines.append([f"**{cell}**" if i in self.marked and cell else cell for cell in row])
         return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |" for cells in lines)
 
     def to_html(self, typeset: Callable[[str], str] = html.escape) -> str:
         """A table element; rows that are set off have the class "marked". `typeset` makes HTML of a cell's words."""
-        right = self.numeric()
-        sides = [' class="number"' if r else "" for r in right]
+        sides = [' class="number"' if right else "" for right in self.numeric()]
         head = "".join(f"<th{s}>{typeset(c)}</th>" for c, s in zip(self.headers, sides, strict=True))
         body = []
         for i, row in enumerate(self.rows):

@@ -105,8 +105,7 @@ def read_text(path: Path, most_bytes: int) -> str:
     """
     regular_file(path, most_bytes)
     try:
-        with open(path, "rb", opener=_without_waiting) as file:
-            content = file.read(most_bytes)
+        content = path.read_bytes()
     except OSError as error:
         raise _not_readable(path, error) from error
     try:
@@ -118,11 +117,6 @@ def read_text(path: Path, most_bytes: int) -> str:
 
 def _not_readable(path: Path, error: OSError) -> InputError:
     return InputError(f"{shown(path)}: cannot be read ({error.strerror}). Give a readable file.")
-
-
-def _without_waiting(name: str, flags: int) -> int:
-    """Open without waiting for the other end, in case a pipe has replaced the file meanwhile."""
-    return os.open(name, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def sibling_names(path: Path, ending: str = "") -> list[str]:
@@ -145,16 +139,7 @@ def writable_file(name: str | Path, option: str = "--out", endings: Collection[s
     ------
     InputError : it is a folder, its folder cannot be written, or its suffix is not allowed
     """
-    path = checked_path(name)
-    try:
-        if path.is_dir():
-            raise _not_writable(name, option, "is a folder")
-        if path.exists():
-            _check_right(path, name, option)
-        else:
-            _check_folder(path.parent, name, option)
-    except OSError as error:
-        raise _not_writable(name, option, error.strerror or "") from error
+    path = _writable(name, option, folder=False)
     if endings and path.suffix.lower() not in endings:
         known = " or ".join(endings)
         raise InputError(f"{option} {shown(name)}: the name must end in {known}. Correct the file name.")
@@ -168,12 +153,7 @@ def writable_folder(name: str | Path, option: str = "--out") -> Path:
     ------
     InputError : it is not a folder, or it cannot be made or written
     """
-    path = checked_path(name)
-    try:
-        _check_folder(path, name, option)
-    except OSError as error:
-        raise _not_writable(name, option, error.strerror or "") from error
-    return path
+    return _writable(name, option, folder=True)
 
 
 @contextlib.contextmanager
@@ -202,20 +182,21 @@ def write_whole(path: Path, content: str | bytes) -> None:
         partial.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
 
 
-def _check_folder(path: Path, name: str | Path, option: str) -> None:
-    """Check that the existing part of the path is a folder that can be written."""
-    there = path
-    while not there.exists() and there != there.parent:
-        there = there.parent
-    if not there.is_dir():
-        raise _not_writable(name, option, f"{shown(there)} is not a folder")
-    _check_right(there, name, option)
+def _writable(name: str | Path, option: str, *, folder: bool) -> Path:
+    path = checked_path(name)
+    if reason := _obstacle(path, folder=folder):
+        raise InputError(f"{shown(name)}: cannot be written ({reason}). Choose another {option}.")
+    return path
 
 
-def _check_right(path: Path, name: str | Path, option: str) -> None:
-    if not os.access(path, os.W_OK):
-        raise _not_writable(name, option, "no write permission")
-
-
-def _not_writable(name: str | Path, option: str, reason: str) -> InputError:
-    return InputError(f"{shown(name)}: cannot be written ({reason}). Choose another {option}.")
+def _obstacle(path: Path, *, folder: bool) -> str:
+    """Why a file (or a folder) cannot be written; "" if it can. Folders that do not exist are made later."""
+    try:
+        if path.exists() and not folder:
+            there, wrong = path, "is a folder" if path.is_dir() else ""
+        else:
+            there = next(one for one in (path, *path.parents) if one.exists())
+            wrong = "" if there.is_dir() else f"{shown(there)} is not a folder"
+        return wrong or ("" if os.access(there, os.W_OK) else "no write permission")
+    except OSError as error:
+        return error.strerror or str(error)

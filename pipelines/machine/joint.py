@@ -20,15 +20,15 @@ from pipelines.scene.tables.housing import CoverJointTable, PlaneJointTable
 Point = tuple[float, float, float]
 
 
-def bolted_joint(table: CoverJointTable | PlaneJointTable, geometry: Any) -> BoltedJoint:
-    """The joint of a housing; only a parametric one, a `Housing`, has a cover.
+def bolted_joint(table: Any, housing: Housing | None) -> BoltedJoint:
+    """The joint of the cover of a parametric housing, or across a plane of one from a file (None).
 
     Raises
     ------
     SceneError : bolts that do not fit the clamped parts
     """
     try:
-        return _across_plane(table) if isinstance(table, PlaneJointTable) else _of_cover(table, geometry)
+        return _across_plane(table) if housing is None else _of_cover(table, housing)
     except (BoltError, HousingError) as error:
         raise SceneError("scene", [Problem("casing.housing.joint", str(error))]) from error
 

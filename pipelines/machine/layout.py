@@ -21,7 +21,6 @@ from pipelines.machine.scene_flanks import modifications
 from pipelines.scene.phases import mesh_cycles
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_places import place_shafts, shaft_senses, stage_shafts
-from pipelines.scene.tables.forces import TorqueTable
 from pipelines.scene.tables.gears import GearTable
 from pipelines.scene.tables.stages import StageTable
 
@@ -73,16 +72,9 @@ def _named_gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
 def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
     table: GearTable = getattr(stage, name)
 
-    def rack_value(key: str) -> float:
-        own: float | None = getattr(table, key)
-        return float(getattr(stage, key)) if own is None else own
-
-    rack = Rack(
-        addendum=rack_value("rack_addendum"),
-        dedendum=rack_value("rack_dedendum"),
-        tip_radius=rack_value("rack_tip_radius"),
-        pressure_angle=stage.si.pressure_angle,
-    )
+    own = {name: getattr(table, f"rack_{name}") for name in ("addendum", "dedendum", "tip_radius")}
+    values = {name: getattr(stage, f"rack_{name}") if value is None else value for name, value in own.items()}
+    rack = Rack(**values, pressure_angle=stage.si.pressure_angle)
     solid: Gear = table.made_part(
         Gear,
         teeth=getattr(stage, f"{name}_teeth"),
@@ -270,5 +262,5 @@ def _torques(scene: Scene, loaded: int) -> Iterator[tuple[int, float, float]]:
     for y in places:
         yield loaded, y, -scene.load.torque / len(places)
     for number, force in enumerate(scene.forces, 1):
-        if isinstance(force, TorqueTable):
+        if force.model == "torque":
             yield force.shaft - 1, force.si.position, sum(force.spec(number).largest_torques(0.0).values())

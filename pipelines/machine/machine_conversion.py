@@ -18,13 +18,12 @@ from fem.contact.slice_frame import ModelError
 from fem.gears.gear import Gear
 from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
-from fem.gears.prescribed import PrescribedDeviations
 from mbd.parts.channels import further_channels
 from mbd.parts.losses import Brake
 from mbd.parts.oil_film import Film
 from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import Disk, ShaftSpec
-from pipelines.io.errors import InputError, Problem, Problems
+from pipelines.io.errors import InputError, Problems
 from pipelines.machine.layout import TrainLayout, lay_out
 from pipelines.machine.machine_model import Drivetrain, MachineModel, labels
 from pipelines.machine.machine_parts import GearMesh, GearTeeth, MachineParts, Recorded
@@ -34,7 +33,6 @@ from pipelines.machine.scene_flanks import GEARS, Fault, damaged_teeth, flanks_s
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.tables.losses import FilmModel
-from pipelines.scene.tables.stages import DeviationTable, StageTable
 
 REFUSALS = (MachineError, GeometryError, ModelError, HousingError, InputError)
 
@@ -72,8 +70,7 @@ def in_casing(train: Drivetrain, scene: Scene, problems: Problems) -> MachineMod
     """
     made = problems.made("casing.housing", casing, scene, train.layout, train.parts)
     for number, spec in enumerate(train.laws, 1):
-        if reason := _law_refusal(spec):
-            problems.append(Problem(f"stages.{number}.mesh", reason))
+        problems.made(f"stages.{number}.mesh", _check_law, spec)
     return None if problems else MachineModel(**vars(train), casing=made[0], structure=made[1])
 
 
@@ -99,7 +96,7 @@ def drivetrain(scene: Scene, layout: TrainLayout, problems: Problems) -> Drivetr
         faults=faults,
         spalls=tuple(bearing_faults(scene).values()),
         shaft_faults=shaft_faults(scene),
-        bearing_points=bearing_points(scene.shafts, layout),
+        bearing_points=bearing_points(scene, layout),
         casing_modes=scene.casing.made_of.added_modes,
         recorded=Recorded(
             sensors=tuple(sensor.name for sensor in scene.sensors),
@@ -116,13 +113,9 @@ def drivetrain(scene: Scene, layout: TrainLayout, problems: Problems) -> Drivetr
 
 
 @functools.lru_cache(maxsize=64)
-def _law_refusal(spec: LawSpec) -> str:
-    """The reason why the settings or the path of contact do not allow a mesh law; "" if none is known."""
-    try:
-        spec.mesh.check(spec.pair)
-    except (ModelError, GeometryError) as error:
-        return str(error)
-    return ""
+def _check_law(spec: LawSpec) -> None:
+    """ModelError or GeometryError if the settings or the path of contact do not allow a mesh law."""
+    spec.mesh.check(spec.pair)
 
 
 def gear_disk(name: str, y: float, gear: Gear, density: float) -> Disk:
@@ -159,60 +152,56 @@ def _disks(scene: Scene, layout: TrainLayout, shaft: int) -> list[Disk]:
         ):
             if place == shaft and y not in {disk.y for disk in found}:  # one gear may be in two stages
                 found.append(gear_disk(f"{name}_{number + 1}", y, gear, density))
-    for number, table in enumerate(scene.disks, 1):
-        if table.shaft == shaft + 1:
-            found.append(table.made(name=f"disk_{number}"))
+    found += [table.made(name=f"disk_{n}") for n, table in enumerate(scene.disks, 1) if table.shaft == shaft + 1]
     hoist = scene.load.suspended
     if shaft == layout.loaded and hoist is not None:
-        for number, y in enumerate(scene.load.places(scene.shafts[shaft]), 1):
-            # a drum is a thin shell: diametral inertia half the polar one, its length neglected
-            found.append(
-                Disk(
-                    name=f"drum_{number}",
-                    y=y,
-                    mass=hoist.drum_mass,
-                    polar_inertia=hoist.drum_inertia,
-                    diametral_inertia=min(hoist.drum_inertia, hoist.drum_mass * hoist.drum_radius**2) / 2,
-                )
+        found += [  # a drum is a thin shell: diametral inertia half the polar one, its length neglected
+            Disk(
+                name=f"drum_{number}",
+                y=y,
+                mass=hoist.drum_mass,
+                polar_inertia=hoist.drum_inertia,
+                diametral_inertia=min(hoist.drum_inertia, hoist.drum_mass * hoist.drum_radius**2) / 2,
             )
+            for number, y in enumerate(scene.load.places(scene.shafts[shaft]), 1)
+        ]
     return found
 
 
 def shaft_specs(scene: Scene, layout: TrainLayout) -> tuple[ShaftSpec, ...]:
     """All shafts; in lifting, shaft 1 rotates about +y and the shafts that mesh with it about -y."""
     steel = scene.gear_material
-    specs = []
-    for number, (table, (x, z)) in enumerate(zip(scene.shafts, layout.axes, strict=True)):
-        specs.append(
-            scene.shaft_model.made_part(
-                ShaftSpec,
-                name=f"shaft_{number + 1}",
-                x=x,
-                z=z,
-                sense=layout.senses[number],
-                sections=tuple(section.made() for section in table.sections),
-                disks=tuple(_disks(scene, layout, number)),
-                elastic_modulus=steel.si.elastic_modulus,
-                poisson_ratio=steel.poisson_ratio,
-                density=steel.density_kg_m3,
-            )
+    return tuple(
+        scene.shaft_model.made_part(
+            ShaftSpec,
+            name=f"shaft_{number + 1}",
+            x=x,
+            z=z,
+            sense=layout.senses[number],
+            sections=tuple(section.made() for section in table.sections),
+            disks=tuple(_disks(scene, layout, number)),
+            elastic_modulus=steel.si.elastic_modulus,
+            poisson_ratio=steel.poisson_ratio,
+            density=steel.density_kg_m3,
         )
-    return tuple(specs)
+        for number, (table, (x, z)) in enumerate(zip(scene.shafts, layout.axes, strict=True))
+    )
 
 
 def gear_teeth(
-    table: DeviationTable, prescribed: PrescribedDeviations | None, faults: Sequence[Fault], stage: int, gear: str
+    scene: Scene, faults: Sequence[Fault], problems: Problems, stage: int, gear: str, sense: int
 ) -> GearTeeth:
-    """The teeth of one gear.
+    """The teeth of one gear. If sampled deviations are disabled, prescribed ones are disabled, too.
 
     Parameters
     ----------
-    table : of the sampled deviations; if they are disabled, prescribed ones are disabled, too
-    prescribed : prescribed deviations of the gear
-    faults : of all stages
+    scene, faults : the scene, and the faults of all stages
+    problems : collects errors of files of measured flanks
     stage, gear : number of the stage, from 1, and "pinion" or "wheel"
+    sense : lifting sense of the pinion
     """
-    deviations = None
+    table, deviations = scene.deviations, None
+    prescribed = problems.made(f"stages.{stage}", prescribed_deviations, scene.stages[stage - 1], stage, gear, sense)
     if table.enabled and table.include:
         seed = 1000 * table.seed + 2 * (stage - 1) + GEARS.index(gear)  # a separate sequence for each gear
         deviations = table.made(seed=seed)
@@ -234,11 +223,6 @@ def gear_meshes(scene: Scene, layout: TrainLayout, faults: Sequence[Fault], prob
     faults : of the teeth
     problems : collects errors of files of measured flanks
     """
-
-    def teeth(stage: StageTable, number: int, gear: str, sense: int) -> GearTeeth:
-        prescribed = problems.made(f"stages.{number}", prescribed_deviations, stage, number, gear, sense)
-        return gear_teeth(scene.deviations, prescribed, faults, number, gear)
-
     return tuple(
         GearMesh(
             name=f"mesh_{number}",
@@ -246,8 +230,8 @@ def gear_meshes(scene: Scene, layout: TrainLayout, faults: Sequence[Fault], prob
             driven=f"shaft_{driven + 1}",
             y=stage.si.position,
             pair=pair,
-            pinion=teeth(stage, number, "pinion", sense),
-            wheel=teeth(stage, number, "wheel", sense),
+            pinion=gear_teeth(scene, faults, problems, number, "pinion", sense),
+            wheel=gear_teeth(scene, faults, problems, number, "wheel", sense),
             damping_time=stage.si.mesh_damping_time,
             cycle_at_start=layout.cycles_at_start[number - 1],
             film=film_spec(scene.film, pair),

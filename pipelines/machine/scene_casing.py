@@ -13,10 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.casing.geometry.dimensions import Bore, Dimensions, Sensor, orthonormal
-from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.housing_features import Feet
 from fem.casing.geometry.locators import Point
-from fem.casing.mesh.choose_mesher import Geometry
 from fem.casing.mesh.imported_housing import ImportedHousing, Seat, content_hash
 from fem.casing.models.casing_model import CasingModel, Structure
 from fem.casing.models.casing_registry import casing_class
@@ -27,8 +25,8 @@ from pipelines.machine.machine_parts import MachineParts
 from pipelines.machine.scene_bearings import bearing_points
 from pipelines.scene.scene import Scene
 from pipelines.scene.shipped_files import find_file
-from pipelines.scene.tables.casing import ElasticBase, FlexibleBase
-from pipelines.scene.tables.housing import HousingBase, ImportedTable, MatricesHousingTable
+from pipelines.scene.tables.housing import HousingBase, HousingModel, MatricesHousingTable
+from pipelines.scene.tables.series import refused
 
 if TYPE_CHECKING:
     from fem.casing.imported.imported_casing import ImportedMatrices
@@ -49,46 +47,52 @@ def casing(scene: Scene, layout: TrainLayout, machine: MachineParts) -> tuple[Ca
     HousingError, InputError : a housing that does not fit
     SceneError : the same, with the keys that must be corrected
     """
-    table, points = scene.casing, bearing_points(scene.shafts, layout)
+    table, points = scene.casing, bearing_points(scene, layout)
     model: CasingModel = table.made()
     if scene.housing is None:
         return model, Structure(bearings={f"bearing_{number}": point for number, point in enumerate(points, 1)})
     made = housing(scene.housing, tuple(sensor.made() for sensor in scene.sensors), layout, points)
-    if isinstance(scene.housing, MatricesHousingTable):
+    matrices = scene.housing.model == "matrices"
+    if matrices:
         model, found = casing_class("matrices")(of=model), Structure(housing=made)
     else:
-        found = _shaped(table, made)
+        found = _shaped(scene, made)
     loads = {  # an axis without stiffness needs no interface
         spec.name: tuple(axis for axis, k in zip(BEARING_AXES, spec.stiffness, strict=True) if k > 0.0)
         for spec in machine.bearings
     }
     forced = forced_points(machine, found.sensors)
-    if forced and isinstance(scene.housing, MatricesHousingTable):
-        problem = "a casing-force acts on a mesh, and the housing is given by matrices"
-        remedy = "Delete the force, or set casing.housing to a shape, a CAD file or a mesh"
-        raise SceneError("scene", [Problem("forces", problem, remedy)])
+    if forced and matrices:
+        raise refused(
+            "forces",
+            "a casing-force acts on a mesh, and the housing is given by matrices",
+            "Delete the force, or set casing.housing to a shape, a CAD file or a mesh",
+        )
     return model, replace(found, interfaces=loads, forced=forced)
 
 
-def _shaped(table: FlexibleBase, made: Geometry) -> Structure:
+def _shaped(scene: Scene, made: Any) -> Structure:
     """A housing with its material and its bolts, without loads.
 
     Raises
     ------
     SceneError : no material, bolts that do not fit, or element sizes by wavelength for a wall of unknown thickness
     """
+    table, parametric = scene.casing, None if scene.parametric is None else made
     if table.material is None:
-        raise SceneError("scene", [Problem("casing.material", "is missing", "Set this table: material of the housing")])
-    thinnest = made.thinnest_wall if isinstance(made, Housing) else table.housing.si.wall_thickness
+        raise refused("casing.material", "is missing", "Set this table: material of the housing")
+    thinnest = table.housing.si.wall_thickness if parametric is None else made.thinnest_wall
     if thinnest is None and getattr(table, "elements_per_wavelength", None) is not None:
-        problem = "is needed for casing.elements_per_wavelength of a housing from a file"
-        remedy = "Set the thickness of its thinnest wall."
-        raise SceneError("scene", [Problem("casing.housing.wall_thickness_mm", problem, remedy)])
+        raise refused(
+            "casing.housing.wall_thickness_mm",
+            "is needed for casing.elements_per_wavelength of a housing from a file",
+            "Set the thickness of its thinnest wall.",
+        )
     joint, bolts = None, getattr(table.housing, "joint", None)
-    if isinstance(table, ElasticBase) and bolts is not None:
+    if table.elastic and bolts is not None:
         from pipelines.machine.joint import bolted_joint  # late, like all that only elastic ones need
 
-        joint = bolted_joint(bolts, made)
+        joint = bolted_joint(bolts, parametric)
     return Structure(housing=made, material=table.material.made(name="casing"), joint=joint, wall=thinnest)
 
 
@@ -140,7 +144,7 @@ def feet(table: HousingBase) -> Feet:
 
 
 def housing(
-    table: HousingBase | ImportedTable | MatricesHousingTable,
+    table: HousingModel,
     sensors: tuple[Sensor, ...],
     layout: TrainLayout,
     points: Sequence[Point],
@@ -159,11 +163,11 @@ def housing(
     HousingError, InputError : its parts do not fit together, or there is no such file
     SceneError : bearings that are not located or belong to no shaft
     """
-    if isinstance(table, HousingBase):
+    if table.model == "parametric":
         return table.made(bores=bores(table, layout), feet=feet(table), sensors=sensors, bolted=table.joint is not None)
     if problems := list(_seat_problems([seat.name for seat in table.bearings], len(points))):
         raise SceneError("scene", problems)
-    if isinstance(table, MatricesHousingTable):
+    if table.model == "matrices":
         return imported_matrices(table, sensors, points)
     path = find_file(table.file)
     return ImportedHousing(

@@ -8,6 +8,7 @@ If there is none, columns may also contain time stamps (date and time, or hh:mm:
 from __future__ import annotations
 
 import codecs
+import contextlib
 import csv
 import itertools
 import re
@@ -76,18 +77,14 @@ def open_channels(path: Path, text: Path | None = None) -> RecordedContents:
     with text.open(encoding=encoding, errors="replace", newline=None) as file:
         head = [line.rstrip("\n") for line in itertools.islice(file, _HEAD)]
     layout = _layout(head, path)
-    columns = len(layout.names)
-    scratch = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the contents
-    try:
+    with contextlib.ExitStack() as opened:
+        scratch = opened.enter_context(tempfile.TemporaryFile())
         for block in _blocks(path, text, encoding, layout):
             scratch.write(block.tobytes())
         scratch.flush()
-        values = np.memmap(scratch, dtype=float, mode="r").reshape(-1, columns)
-        above = "\n".join(head[: layout.first + 1])
-        return RecordedContents(channels=tuple(_channels(values, layout)), close=scratch.close, texts=above)
-    except BaseException:
-        scratch.close()
-        raise
+        values = np.memmap(scratch, dtype=float, mode="r").reshape(-1, len(layout.names))
+        channels, above = tuple(_channels(values, layout)), "\n".join(head[: layout.first + 1])
+        return RecordedContents(channels=channels, close=opened.pop_all().close, texts=above)
 
 
 def _channels(values: np.ndarray, layout: ColumnLayout) -> Iterator[RecordedChannel]:
@@ -113,8 +110,7 @@ def _guessed(start: np.ndarray) -> str:
 def _blocks(path: Path, text: Path, encoding: str, layout: ColumnLayout) -> Iterator[np.ndarray]:
     """Numbers (lines, columns), block by block: seconds of time stamps, NaN for text."""
     read: dict[str, Callable[[str], float]] = {STAMP: _seconds(), TEXT: lambda _: float("nan")}
-    found = ((column, kind) for column, kind in enumerate(layout.kinds) if kind != NUMBER)
-    converters: dict[int | str, Callable[[str], Any]] = {column: read[kind] for column, kind in found}
+    converters: dict[Any, Any] = {column: read[kind] for column, kind in enumerate(layout.kinds) if kind != NUMBER}
     with text.open(encoding=encoding, errors="replace", newline=None) as file:
         numbered = _data_lines(file, layout)
         while block := list(itertools.islice(numbered, _LINES)):

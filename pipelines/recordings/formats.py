@@ -18,20 +18,21 @@ SHARE = 0.5  # of the memory that is free, which one file may take
 
 @dataclass(frozen=True, kw_only=True)
 class RecordingFormat:
-    """A reader by the names of its module and functions; it is imported when a file of the format is opened.
+    """A reader by the name of its module, which is imported when a file of the format is opened.
 
-    `opens` gives the channels of a file; `measures` the bytes that takes, "" where it is read part by part.
+    Its function `open_channels` gives the channels of a file. The function named `measures` gives the bytes that this
+    takes; "" where the file is read part by part.
     """
 
     name: str
     endings: tuple[str, ...]
     reader: str  # module
-    opens: str = "open_channels"
     measures: str = ""
 
     def open(self, path: Path) -> RecordedContents:
         """The channels of a file."""
-        return getattr(import_module(self.reader), self.opens)(path)
+        contents: RecordedContents = import_module(self.reader).open_channels(path)
+        return contents
 
     def memory(self, path: Path) -> int:
         """Bytes of memory that `open` takes; 0 where it reads the file part by part."""
@@ -45,8 +46,8 @@ FORMATS = (
     RecordingFormat(name="MATLAB", endings=(".mat",), reader=_ROOM + "matlab", measures="memory"),
     RecordingFormat(name="HDF5", endings=(".h5", ".hdf5", ".hdf", ".nc"), reader=_ROOM + "hdf5"),
     RecordingFormat(name="UFF 58", endings=(".uff", ".unv"), reader=_ROOM + "universal", measures="memory"),
-    RecordingFormat(name="NPY", endings=(".npy",), reader=_NUMPY, opens="open_npy"),
-    RecordingFormat(name="NPZ", endings=(".npz",), reader=_NUMPY, opens="open_npz", measures="npz_memory"),
+    RecordingFormat(name="NPY", endings=(".npy",), reader=_NUMPY),
+    RecordingFormat(name="NPZ", endings=(".npz",), reader=_NUMPY, measures="memory"),
     RecordingFormat(name="WAV", endings=(".wav",), reader=_ROOM + "wav", measures="memory"),
     RecordingFormat(name="Excel", endings=(".xlsx",), reader=_ROOM + "excel"),
     RecordingFormat(name="TDMS", endings=(".tdms",), reader=_ROOM + "tdms", measures="memory"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -34,13 +35,10 @@ def open_channels(path: Path) -> RecordedContents:
             raise InputError(
                 f"{shown(path)}: is a classic netCDF file, only netCDF-4 is read. Convert it with: nccopy -k nc4."
             )
-    file = h5py.File(path, "r")
-    try:
-        texts = " ".join(_text(value) for value in file.attrs.values())
-        return RecordedContents(channels=tuple(_channels(file)), close=file.close, texts=texts)
-    except BaseException:
-        file.close()
-        raise
+    with contextlib.ExitStack() as opened:
+        file = opened.enter_context(h5py.File(path, "r"))
+        channels, texts = tuple(_channels(file)), " ".join(_text(value) for value in file.attrs.values())
+        return RecordedContents(channels=channels, close=opened.pop_all().close, texts=texts)
 
 
 def holds_recording(path: Path) -> bool:
@@ -66,18 +64,15 @@ def _channels(file: Any) -> Iterator[RecordedChannel]:
             datasets[name.replace("/", ".")] = item
 
     file.visititems(take)
-    setting = _rate(file.attrs)
+    settings = {name: item[()] for name, item in datasets.items() if item.size == 1 and item.dtype.kind in "iuf"}
+    common = _rate(settings) or _rate(file.attrs)
     for name, item in datasets.items():
-        if item.size == 1 and item.dtype.kind in "iuf" and says_rate(name):
-            setting = float(np.ravel(item[()])[0])
-    for name, item in datasets.items():
-        rate = _rate(item.attrs) or setting
-        units = _text(item.attrs.get("units", ""))
+        rate, units = _rate(item.attrs) or common, _text(item.attrs.get("units", ""))
         yield from array_channels(name, item, units=units, rate=rate, problem=blocks_missing(item))
 
 
 def _rate(attributes: Mapping[str, Any]) -> float | None:
-    """The sampling rate (Hz) among the attributes of a dataset or file."""
+    """The sampling rate (Hz) among single numbers, such as the attributes of a dataset or file."""
     return next((float(np.ravel(value)[0]) for name, value in attributes.items() if says_rate(name)), None)
 
 

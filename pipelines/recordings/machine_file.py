@@ -24,7 +24,6 @@ class MeasuredMachine:
     A machine from a scene has the table of a machine file without such settings: every channel is a sensor.
     """
 
-    name: str
     kinematics: Kinematics
     table: MachineTable = field(default_factory=MachineTable.model_construct)
 
@@ -37,7 +36,10 @@ def read_machine(source: str | Path) -> MeasuredMachine:
     SceneError : with all problems of the file
     InputError : there is no such file or scene, or it is not valid TOML
     """
-    from pipelines.scene.load_scene import find_source, parse, validate
+    from pipelines.machine.layout import lay_out
+    from pipelines.machine.scene_bearings import rolling_bearings
+    from pipelines.machine.scene_kinematics import kinematics_of
+    from pipelines.scene.load_scene import find_source, load_scene, parse, validate
     from pipelines.scene.merge import Merged
 
     if Path(source).suffix not in ("", ".toml"):
@@ -59,27 +61,14 @@ def read_machine(source: str | Path) -> MeasuredMachine:
                 "For a machine file replace stages by teeth = [[25, 62]], a pair of numbers for each stage. For a "
                 f"scene delete {measured}."
             )
-        return _of_scene(source)
+        loaded = load_scene(source)
+        layout = lay_out(loaded.scene, loaded.source.shown)
+        return MeasuredMachine(kinematics=kinematics_of(layout, rolling_bearings(loaded.scene)))
     table, _ = validate(Merged(tree), MachineTable, found.shown)
     shafts, problems = _shafts(table)
     bearings, misfits = _bearings(table)
     if problems + misfits:
         raise SceneError(found.shown, problems + misfits)
-    return _of_table(table, shafts, bearings, found.name)
-
-
-def _of_scene(source: str | Path) -> MeasuredMachine:
-    from pipelines.machine.layout import lay_out
-    from pipelines.machine.scene_bearings import rolling_bearings
-    from pipelines.machine.scene_kinematics import kinematics_of
-    from pipelines.scene.load_scene import load_scene
-
-    loaded = load_scene(source)
-    layout = lay_out(loaded.scene, loaded.source.shown)
-    return MeasuredMachine(name=loaded.name, kinematics=kinematics_of(layout, rolling_bearings(loaded.scene)))
-
-
-def _of_table(table: MachineTable, shafts: Sequence[Shaft], bearings: Sequence[Bearing], name: str) -> MeasuredMachine:
     kinematics = Kinematics(
         shafts=tuple(shafts),
         gears=tuple(
@@ -90,7 +79,7 @@ def _of_table(table: MachineTable, shafts: Sequence[Shaft], bearings: Sequence[B
         bearings=tuple(bearings),
         frequency=None if table.speed_rpm is None else table.speed_rpm / 60,
     )
-    return MeasuredMachine(name=name, kinematics=kinematics, table=table)
+    return MeasuredMachine(kinematics=kinematics, table=table)
 
 
 def shaft_name(number: int) -> str:
@@ -123,25 +112,25 @@ def _shafts(table: MachineTable) -> tuple[list[Shaft], list[Problem]]:
                     "Correct teeth or shafts",
                 )
             )
-    for stage, ((one, other), *_) in waiting.items():
-        problems.append(
-            Problem(
-                f"shafts.{stage}",
-                f"no pair connects shafts {one} and {other} to shaft 1",
-                "Connect them by a pair in teeth, or delete them",
-            )
+    problems += [
+        Problem(
+            f"shafts.{stage}",
+            f"no pair connects shafts {one} and {other} to shaft 1",
+            "Connect them by a pair in teeth, or delete them",
         )
+        for stage, ((one, other), *_) in waiting.items()
+    ]
     missing = sorted(set(range(1, max(speeds) + 1)) - speeds.keys()) if not waiting else []
     if missing:
         problems.append(Problem("shafts", f"shaft {missing[0]} is in no pair", "Number the shafts 1, 2, 3, ..."))
     named = [(f"bearings.{number}.shaft", bearing.shaft) for number, bearing in enumerate(table.bearings, 1)]
     sources = {"tachometer": table.tachometer, "speed": table.speed}
     named += [(f"{key}.shaft", source.shaft) for key, source in sources.items() if source is not None]
-    for path, shaft in named:
-        if shaft not in speeds:
-            problems.append(
-                Problem(path, f"there is no shaft {shaft}, allowed are 1 to {len(speeds)}", "Correct the number")
-            )
+    problems += [
+        Problem(path, f"there is no shaft {shaft}, allowed are 1 to {len(speeds)}", "Correct the number")
+        for path, shaft in named
+        if shaft not in speeds
+    ]
     return [Shaft(name=shaft_name(number), ratio=speeds[number]) for number in sorted(speeds)], problems
 
 

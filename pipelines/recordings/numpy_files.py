@@ -10,25 +10,24 @@ import numpy as np
 from pipelines.recordings.recording_channels import RecordedChannel, RecordedContents, array_channels, says_rate
 
 
-def open_npy(path: Path) -> RecordedContents:
-    """The channels of an array, mapped from the file: a column each, or a field each."""
-    values = np.load(path, mmap_mode="r", allow_pickle=False)
-    if values.dtype.names is None:
-        return RecordedContents(channels=tuple(array_channels("channel", values)))
-    fields = [channel for name in values.dtype.names for channel in array_channels(name, values[name])]
-    return RecordedContents(channels=tuple(fields))
-
-
-def npz_memory(path: Path) -> int:
-    """Bytes of all its arrays, unpacked."""
+def memory(path: Path) -> int:
+    """Bytes of all arrays of an NPZ file, unpacked."""
     with zipfile.ZipFile(path) as archive:
         return sum(entry.file_size for entry in archive.infolist())
 
 
-def open_npz(path: Path) -> RecordedContents:
-    """The channels of all its arrays; one number that is called fs, sample_rate or the like is the sampling rate."""
-    with np.load(path, allow_pickle=False) as archive:
-        arrays = {name: archive[name] for name in archive.files}
+def open_channels(path: Path) -> RecordedContents:
+    """The channels of an array, which is mapped from the file, or of its fields; those of all arrays of an NPZ file.
+
+    One number that is called fs, sample_rate or the like is the sampling rate.
+    """
+    content = np.load(path, mmap_mode="r", allow_pickle=False)
+    if isinstance(content, np.ndarray):
+        fields = content.dtype.names
+        arrays = {"channel": content} if fields is None else {name: content[name] for name in fields}
+    else:
+        with content:
+            arrays = {name: content[name] for name in content.files}
     return RecordedContents(channels=named_arrays(arrays), texts=texts(arrays))
 
 
@@ -39,6 +38,6 @@ def texts(arrays: dict[str, np.ndarray]) -> str:
 
 def named_arrays(arrays: dict[str, np.ndarray]) -> tuple[RecordedChannel, ...]:
     """The channels of named arrays, of which single numbers are settings."""
-    rates = [float(value.item()) for name, value in arrays.items() if value.size == 1 and says_rate(name)]
-    rate = rates[0] if rates else None
+    rates = (float(value.item()) for name, value in arrays.items() if value.size == 1 and says_rate(name))
+    rate = next(rates, None)
     return tuple(channel for name, value in arrays.items() for channel in array_channels(name, value, rate=rate))

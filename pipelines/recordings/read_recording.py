@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 import xarray
-from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from pipelines.io.errors import InputError
@@ -27,12 +26,14 @@ from pipelines.recordings.recording_channels import SHAFT_ANGLE, RecordedChannel
 from pipelines.recordings.sample_checks import checked_extremes, clipped_share, is_silent, whole_numbers
 from pipelines.recordings.time_axis import is_time, sampling
 from pipelines.recordings.units import ACCELERATIONS, GRAVITY, VOLTAGES, may_be_acceleration, plain_units
+from pipelines.signals.lazy_array import LazyArray, Place
 from pipelines.signals.motion_warnings import ATTRIBUTE
 from pipelines.signals.response_file import has_checksum, open_response
 
 _LOG = logging.getLogger(__name__)
 _COUNTERS = ("sample", "index", "piece")
 _WORTH_A_LINE = 1e6  # bytes: reading a smaller file is not logged
+Places = dict[tuple[str, str], RecordedChannel]  # by sensor and axis
 
 
 def read_recording(source: str | Path, machine: MeasuredMachine) -> xarray.Dataset:
@@ -77,22 +78,22 @@ def _recording(contents: RecordedContents, machine: MeasuredMachine, path: Path,
     named = tachometer.channel if tachometer is not None else None if speed is None else speed.channel
     pulses = None if named is None else channel_of(contents, named, source)
     places = _places(contents, machine, [one for one in (clock, pulses) if one is not None], source)
-    signals = [channel for axes in places.values() for channel in axes.values()]
-    angles = {} if named is not None or speed is not None else _shaft_angles(contents)
-    used = [*signals, *([] if pulses is None else [pulses]), *angles.values()]
+    angles = {
+        one.name.removeprefix(SHAFT_ANGLE): one
+        for one in contents.channels
+        if one.name.startswith(SHAFT_ANGLE) and named is None and speed is None
+    }
+    used = [*places.values(), *([] if pulses is None else [pulses]), *angles.values()]
     _check_lengths([*used, *([] if clock is None else [clock])], source)
     extremes = {channel.name: checked_extremes(channel, source) for channel in used}
     needed = [pulses] if pulses is not None and (tachometer is not None or np.isnan(extremes[pulses.name][0])) else []
     places, silent = _without_silent(places, extremes, needed, machine, source)
     rate, start = sampling(used, clock, table.rate_Hz, source)
-    scales = {
-        (sensor, axis): _to_si(channel, sensor, machine, source)
-        for sensor, given in places.items()
-        for axis, channel in given.items()
-    }
-    axes = [axis for axis in AXES if any(axis in given for given in places.values())]
-    placed = [[given.get(axis) for axis in axes] for given in places.values()]
-    factors = [[scales.get((sensor, axis), 1.0) for axis in axes] for sensor in places]
+    scales = {place: _to_si(channel, place[0], machine, source) for place, channel in places.items()}
+    sensors = list(dict.fromkeys(sensor for sensor, _ in places))
+    axes = [axis for axis in AXES if any(axis == other for _, other in places)]
+    placed = [[places.get((sensor, axis)) for axis in axes] for sensor in sensors]
+    factors = [[scales.get((sensor, axis), 1.0) for axis in axes] for sensor in sensors]
     variables = {"acceleration": _variable(("sensor", "axis"), placed, factors, {"units": "m/s2"})}
     if pulses is not None and tachometer is not None:
         marks = {"pulses_per_turn": tachometer.pulses_per_turn, "shaft": shaft_name(tachometer.shaft)}
@@ -111,7 +112,7 @@ def _recording(contents: RecordedContents, machine: MeasuredMachine, path: Path,
         variables,
         coords={
             "time": ("time", start + np.arange(used[0].size) / rate, {"units": "s"}),
-            "sensor": list(places),
+            "sensor": sensors,
             "axis": axes,
             **({"shaft": list(angles)} if angles else {}),
         },
@@ -129,35 +130,26 @@ def _recording(contents: RecordedContents, machine: MeasuredMachine, path: Path,
 def _variable(
     dims: tuple[str, ...], table: object, factors: object, attributes: Mapping[str, object]
 ) -> xarray.Variable:
-    """Variable over time and `dims` from a nested list of channels, multiplied by their factors."""
+    """Variable over time and `dims` from a nested list of channels times their factors; NaN without a channel."""
     channels = np.empty(np.shape(np.array(table, dtype=object)), dtype=object)
     channels[...] = table
-    view = _View(channels, np.array(factors, float))
-    return xarray.Variable(("time", *dims), indexing.LazilyIndexedArray(view), dict(attributes))
+    by = np.array(factors, float)
+    given = [channel for channel in channels.flat if channel is not None]
+    single = all(channel.dtype == np.float32 for channel in given) and bool((by == 1.0).all())
+    dtype = np.dtype(np.float32 if single else np.float64)
 
-
-class _View(BackendArray):
-    """Channels as an array (time, ...) that is read when it is used; NaN without a channel."""
-
-    def __init__(self, channels: np.ndarray, factors: np.ndarray) -> None:
-        self._channels, self._factors = channels, factors
-        given = [channel for channel in channels.flat if channel is not None]
-        single = all(channel.dtype == np.float32 for channel in given) and bool((factors == 1.0).all())
-        self.shape, self.dtype = (given[0].size, *channels.shape), np.dtype(np.float32 if single else np.float64)
-
-    def __getitem__(self, key: indexing.ExplicitIndexer) -> np.ndarray:
-        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self._read)
-
-    def _read(self, key: tuple[int | slice, ...]) -> np.ndarray:
+    def read(key: Place) -> np.ndarray:
         instants, places = key[0], key[1:]
         part = slice(instants, instants + 1) if isinstance(instants, int | np.integer) else instants
-        chosen, factors = np.asarray(self._channels[places], dtype=object), np.asarray(self._factors[places])
-        count = len(range(*part.indices(self.shape[0])))
-        values = np.full((count, *chosen.shape), np.nan, self.dtype)
+        chosen, of_chosen = np.asarray(channels[places], dtype=object), np.asarray(by[places])
+        values = np.full((len(range(*part.indices(given[0].size))), *chosen.shape), np.nan, dtype)
         for place, channel in np.ndenumerate(chosen):
             if channel is not None:
-                values[(slice(None), *place)] = channel.read(part) * self.dtype.type(factors[place])
+                values[(slice(None), *place)] = channel.read(part) * dtype.type(of_chosen[place])
         return values[0] if part is not instants else values
+
+    lazy = LazyArray((given[0].size, *channels.shape), dtype, read)
+    return xarray.Variable(("time", *dims), indexing.LazilyIndexedArray(lazy), dict(attributes))
 
 
 def channel_of(contents: RecordedContents, wanted: ChannelName, source: str) -> RecordedChannel:
@@ -185,21 +177,20 @@ def channel_of(contents: RecordedContents, wanted: ChannelName, source: str) -> 
 def _clock(contents: RecordedContents, machine: MeasuredMachine, source: str) -> RecordedChannel | None:
     """Channel of the time: that of the machine file, or the first with such a name."""
     wanted = machine.table.time
-    if wanted is False:
-        return None
-    if wanted is not None:
-        return channel_of(contents, wanted, source)
-    return next((channel for channel in contents.channels if is_time(channel)), None)
+    if wanted is None:
+        return next((channel for channel in contents.channels if is_time(channel)), None)
+    return None if wanted is False else channel_of(contents, wanted, source)
 
 
 def _places(
     contents: RecordedContents, machine: MeasuredMachine, others: Sequence[RecordedChannel], source: str
-) -> dict[str, dict[str, RecordedChannel]]:
+) -> Places:
     """Channels by sensor and axis: those of the machine file, else all that can be accelerations."""
     if machine.table.sensors:
         return {
-            name: {axis: channel_of(contents, channel, source) for axis, channel in axes.items()}
+            (name, axis): channel_of(contents, channel, source)
             for name, axes in machine.table.sensors.items()
+            for axis, channel in axes.items()
         }
     found = [
         channel
@@ -215,65 +206,50 @@ def _places(
             f"{source}: no channel has the unit of an acceleration; the channels are {contents.names()}. Set sensors "
             "and units in the machine file."
         )
-    places: dict[str, dict[str, RecordedChannel]] = {}
+    places: Places = {}
     for channel in [channel for channel in found if channel.place] or found:
-        sensor, axis = channel.place or (channel.name, DEFAULT_AXIS)
-        if axis in places.setdefault(sensor, {}):
+        place = channel.place or (channel.name, DEFAULT_AXIS)
+        if place in places:
             raise InputError(
-                f"{source}: {shown(sensor)} {axis} exists twice, as {shown(places[sensor][axis].name)} and "
+                f"{source}: {shown(place[0])} {place[1]} exists twice, as {shown(places[place].name)} and "
                 f"{shown(channel.name)}. Set sensors in the machine file."
             )
-        places[sensor][axis] = channel
+        places[place] = channel
     return places
 
 
 def _without_silent(
-    places: dict[str, dict[str, RecordedChannel]],
+    places: Places,
     extremes: Mapping[str, tuple[float, float]],
     needed: Sequence[RecordedChannel],
     machine: MeasuredMachine,
     source: str,
-) -> tuple[dict[str, dict[str, RecordedChannel]], dict[str, str]]:
+) -> tuple[Places, dict[str, str]]:
     """The places without constant channels, and a warning of each by its kind.
 
     Raises
     ------
     InputError : such a channel is needed, the machine file names it, or there is no other
     """
-    left = {
-        sensor: kept
-        for sensor, axes in places.items()
-        if (kept := {axis: channel for axis, channel in axes.items() if not is_silent(extremes[channel.name])})
-    }
-    silent = {
-        channel.name: f"{sensor} {axis}"
-        for sensor, axes in places.items()
-        for axis, channel in axes.items()
-        if is_silent(extremes[channel.name])
-    }
+    silent = {place: channel.name for place, channel in places.items() if is_silent(extremes[channel.name])}
+    left = {place: channel for place, channel in places.items() if place not in silent}
     fixed = [channel.name for channel in needed if is_silent(extremes[channel.name])]
     if fixed or (silent and (machine.table.sensors or not left)):
-        name = [*fixed, *silent][0]
+        name = [*fixed, *silent.values()][0]
         raise InputError(
             f'{source}: "{shown(name, 60)}" {_silence(extremes[name])}. Check the sensor, or delete it from sensors of '
             "the machine file."
         )
     warned = {
-        f"silent {place}": f"{shown(place)} {_silence(extremes[name])} and is not used. Check the sensor, or set "
-        "sensors in the machine file."
-        for name, place in silent.items()
+        f"silent {sensor} {axis}": f"{shown(f'{sensor} {axis}')} {_silence(extremes[name])} and is not used. Check the "
+        "sensor, or set sensors in the machine file."
+        for (sensor, axis), name in silent.items()
     }
     return left, warned
 
 
 def _silence(extremes: tuple[float, float]) -> str:
     return "holds no number" if np.isnan(extremes[0]) else f"is {extremes[0]:g} throughout"
-
-
-def _shaft_angles(contents: RecordedContents) -> dict[str, RecordedChannel]:
-    """Channels of shaft angles by shaft, as `gearcase export` names them."""
-    found = [one for one in contents.channels if one.name.startswith(SHAFT_ANGLE)]
-    return {one.name.removeprefix(SHAFT_ANGLE): one for one in found}
 
 
 def _check_lengths(channels: Sequence[RecordedChannel], source: str) -> None:
@@ -314,32 +290,31 @@ def _of_sensor(numbers: Mapping[str, float], sensor: str) -> float | None:
 
 
 def _warnings(
-    places: Mapping[str, Mapping[str, RecordedChannel]],
+    places: Places,
     extremes: Mapping[str, tuple[float, float]],
     machine: MeasuredMachine,
     scales: Mapping[tuple[str, str], float],
 ) -> Iterator[tuple[str, str]]:
     """Warnings by kind, as sentences."""
     table = machine.table
-    for sensor, axes in places.items():
-        for axis, channel in axes.items():
-            place, (low, high), factor = f"{shown(sensor)} {axis}", extremes[channel.name], scales[sensor, axis]
-            if share := clipped_share(channel, low, high):
-                yield (
-                    f"clipped {sensor} {axis}",
-                    f"{place} is clipped: {share:.2%} of its samples lie at its extreme values, {low * factor:.4g} and "
-                    f"{high * factor:.4g} m/s2. Reduce the gain and record it again.",
-                )
-            in_file = plain_units(channel.units)
-            if in_file and in_file != _units(channel, machine):
-                yield (
-                    f"units {sensor} {axis}",
-                    f"{place} is read in {_units(channel, machine)} as the machine file gives it; the recording gives "
-                    f"{shown(in_file, 40)}. Correct units if this is wrong.",
-                )
-            if not (in_file or table.units or table.scale) and whole_numbers(channel):
-                yield (
-                    f"counts {sensor} {axis}",
-                    f"{place} holds whole numbers without units, which are read as m/s2. If they are counts of a "
-                    "converter, set units, and scale to the units per count, in the machine file.",
-                )
+    for (sensor, axis), channel in places.items():
+        place, (low, high), factor = f"{shown(sensor)} {axis}", extremes[channel.name], scales[sensor, axis]
+        if share := clipped_share(channel, low, high):
+            yield (
+                f"clipped {sensor} {axis}",
+                f"{place} is clipped: {share:.2%} of its samples lie at its extreme values, {low * factor:.4g} and "
+                f"{high * factor:.4g} m/s2. Reduce the gain and record it again.",
+            )
+        in_file = plain_units(channel.units)
+        if in_file and in_file != _units(channel, machine):
+            yield (
+                f"units {sensor} {axis}",
+                f"{place} is read in {_units(channel, machine)} as the machine file gives it; the recording gives "
+                f"{shown(in_file, 40)}. Correct units if this is wrong.",
+            )
+        if not (in_file or table.units or table.scale) and whole_numbers(channel):
+            yield (
+                f"counts {sensor} {axis}",
+                f"{place} holds whole numbers without units, which are read as m/s2. If they are counts of a "
+                "converter, set units, and scale to the units per count, in the machine file.",
+            )

@@ -146,9 +146,5 @@ def says_rate(name: str) -> bool:
 
 def distinct(names: list[str]) -> list[str]:
     """The names made unique: repeated ones get " (2)" and so on."""
-    seen: dict[str, int] = {}
-    out = []
-    for name in names:
-        seen[name] = seen.get(name, 0) + 1
-        out.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
-    return out
+    before = [names[:place].count(name) for place, name in enumerate(names)]
+    return [f"{name} ({count + 1})" if count else name for name, count in zip(names, before, strict=True)]

@@ -71,12 +71,9 @@ def clipped_share(channel: RecordedChannel, low: float, high: float) -> float:
     if len(np.unique(start)) < _LEAST_LEVELS:
         return 0.0
     width = _NEAR * (high - low)
-    at_low = at_high = near_low = near_high = 0
+    piles = np.zeros((2, 2), dtype=int)  # samples at each extreme value, and near it
     for _, values in channel.blocks():
-        at_low += int(np.count_nonzero(values == low))
-        at_high += int(np.count_nonzero(values == high))
-        near_low += int(np.count_nonzero((values > low) & (values <= low + width)))
-        near_high += int(np.count_nonzero((values < high) & (values >= high - width)))
-    piles = ((at_low, near_low), (at_high, near_high))
-    clipped = sum(at for at, near in piles if at >= _LEAST_CLIPPED and at > _PILED * near)
+        for pile, inside in zip(piles, (values - low, high - values), strict=True):
+            pile += np.count_nonzero(inside == 0), np.count_nonzero((inside > 0) & (inside <= width))
+    clipped = sum(int(at) for at, near in piles if at >= _LEAST_CLIPPED and at > _PILED * near)
     return clipped / channel.size

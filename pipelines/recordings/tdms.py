@@ -42,14 +42,9 @@ def open_channels(path: Path) -> RecordedContents:
             f"{shown(path)}: is damaged or cut off ({reason}). Copy it again, or close the recorder first."
         )
     several = len(file.groups()) > 1
-    found = []
-    for group in file.groups():
-        for channel in group.channels():
-            name = f"{group.name}/{channel.name}" if several else channel.name
-            found.append(_channel(name, channel))
-    channels = (channel for group in file.groups() for channel in group.channels())
+    channels = [channel for group in file.groups() for channel in group.channels()]
     texts = " ".join(str(channel.properties.get("wf_start_time", "")) for channel in channels)
-    return RecordedContents(channels=tuple(found), texts=texts)
+    return RecordedContents(channels=tuple(_channel(channel, several) for channel in channels), texts=texts)
 
 
 @contextlib.contextmanager
@@ -71,11 +66,11 @@ def _complaints() -> Iterator[list[str]]:
             logger.removeFilter(keep)
 
 
-def _channel(name: str, channel: Any) -> RecordedChannel:
-    values = np.asarray(channel[:])
+def _channel(channel: Any, several: bool) -> RecordedChannel:
+    name = f"{channel.group_name}/{channel.name}" if several else channel.name
     step = channel.properties.get(_INCREMENT)
     units = next((str(channel.properties[key]) for key in _UNITS if channel.properties.get(key)), "")
-    return of_array(name, values, units=units, rate=1.0 / float(step) if step else None)
+    return of_array(name, np.asarray(channel[:]), units=units, rate=1.0 / float(step) if step else None)
 
 
 def _library() -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -38,17 +39,23 @@ def open_channels(path: Path) -> RecordedContents:
         rate, samples = wavfile.read(path)
     samples = samples.reshape(len(samples), -1)
     scale, middle = _scale(samples.dtype)
-    found = []
-    for column in range(samples.shape[1]):
-
-        def read(part: slice, column: int = column) -> np.ndarray:
-            return (samples[part, column].astype(float) - middle) / scale
-
-        kind = samples.dtype if scale == 1.0 else np.dtype(float)
-        found.append(
-            RecordedChannel(name=f"channel {column + 1}", size=len(samples), dtype=kind, read=read, rate=float(rate))
+    kind = samples.dtype if scale == 1.0 else np.dtype(float)
+    channels = (
+        RecordedChannel(
+            name=f"channel {number}",
+            size=len(samples),
+            dtype=kind,
+            read=partial(_shares, column, scale, middle),
+            rate=float(rate),
         )
-    return RecordedContents(channels=tuple(found))
+        for number, column in enumerate(samples.T, 1)
+    )
+    return RecordedContents(channels=tuple(channels))
+
+
+def _shares(values: np.ndarray, scale: float, middle: float, part: slice) -> np.ndarray:
+    """The samples of a part as shares of the full scale."""
+    return np.asarray((values[part].astype(float) - middle) / scale)
 
 
 def _scale(kind: np.dtype) -> tuple[float, float]:

@@ -38,17 +38,16 @@ def average_figure(
     across : what `place` is, with its unit: "tooth of the stage 1 wheel in mesh"
     marked, marked_name : places of the tooth that is a candidate, None without one, and words for it
     """
-    compared = reference is not None
-    if reference is not None:
-        figure = fixed_figure(*SIZE, rows=2, down=0.3)
-        first, last = figure.subplots(2, 1, sharex=True)
-        last.plot(place, value - reference, color=DIFFERENCE, lw=0.9)
-    else:
-        figure = fixed_figure(*SIZE)
-        first = last = figure.subplots()
+    panels = 1 if reference is None else 2
+    figure = fixed_figure(*SIZE, rows=panels, down=0.3)
+    first, *others = np.atleast_1d(figure.subplots(panels, 1, sharex=True))
     _draw(first, place, value, reference)
     first.set_xlim(place[0], place[-1])
-    for axes in dict.fromkeys((first, last)):
+    for axes in others:
+        axes.plot(place, value - reference, color=DIFFERENCE, lw=0.9)
+        dress(axes, "Difference: this run minus healthy", plain(across), "m/s²", letters=LETTERS)
+    dress(first, "Time-synchronous average", "" if others else plain(across), "m/s²", letters=LETTERS)
+    for axes in (first, *others):
         if marked is not None:
             axes.axvspan(*marked, color=STRONGEST, lw=0, zorder=0)
         axes.margins(y=0.15)
@@ -67,9 +66,6 @@ def average_figure(
             color=FAULTY,
             fontweight="bold",
         )
-    _finish(first, "Time-synchronous average", "" if compared else plain(across), "m/s²", compared)
-    if compared:
-        _finish(last, "Difference: this run minus healthy", plain(across), "m/s²", compared=False)
     return figure
 
 
@@ -94,9 +90,7 @@ def envelope_figure(
     axes = figure.subplots()
     _draw(axes, line, amplitude, reference)
     axes.set_xlim(line[0], line[-1])
-    top = float(np.max(amplitude))
-    if reference is not None:
-        top = max(top, float(np.max(reference)))
+    top = float(max(np.max(amplitude), 0.0 if reference is None else np.max(reference)))
     axes.set_ylim(0.0, 1.18 * top if top > 0.0 else 1.0)
     for place, name in marked:
         axes.axvline(place, color=MARK, lw=0.6, ls=(0, (4, 3)), zorder=0)
@@ -112,8 +106,7 @@ def envelope_figure(
             color=MARK,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
         )
-    title = f"Envelope, {plain(band)}"
-    _finish(axes, title, "frequency, Hz", "amplitude, m/s²", reference is not None)
+    dress(axes, f"Envelope, {plain(band)}", "frequency, Hz", "amplitude, m/s²", letters=LETTERS)
     return figure
 
 
@@ -123,13 +116,4 @@ def _draw(axes: Axes, across: np.ndarray, value: np.ndarray, reference: np.ndarr
         return
     axes.plot(across, reference, color=HEALTHY, lw=1.0, label="healthy")
     axes.plot(across, value, color=FAULTY, lw=1.0, label="this run")
-
-
-def _finish(axes: Axes, title: str, across: str, up: str, compared: bool) -> None:
-    dress(axes, title, across, up)
-    axes.set_title(title, fontsize=LETTERS, loc="left", y=1.0)
-    for text in (axes.xaxis.label, axes.yaxis.label):
-        text.set_fontsize(LETTERS)
-    axes.tick_params(labelsize=LETTERS)
-    if compared:
-        legend(axes, LETTERS)
+    legend(axes, LETTERS)

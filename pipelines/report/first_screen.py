@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray
 
 from pipelines.diagnosis import verdict_words
 from pipelines.diagnosis.control_diagnosis import Diagnosis
@@ -22,13 +22,10 @@ from pipelines.scene.tables.diagnosis import Monitored
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
 from pipelines.signals.features.recording_features import envelope_band
 from pipelines.signals.features.shaft_turns import cut_turns
-from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, average
+from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, Average
 from pipelines.signals.orders.kinematics import Gear, Kinematics
 from pipelines.signals.orders.rotation import Rotation
 from pipelines.signals.pass_lines import HARMONICS, PassLines
-
-if TYPE_CHECKING:
-    import xarray
 
 RANKED_AT_ONCE = 5  # components on the first screen; the others open on a click
 IN_MESH = 1.0  # pitches on either side of the pitch point, approximate range in which a tooth is in mesh
@@ -93,38 +90,24 @@ def screen_parts(
     ranking : components with their increase in dB, their evidence ("-" where it has no limit), and a remark
     ranking_note : explains the columns of the ranking
     """
-    return [
-        *_sentences(sentences, found),
-        *_named_values(figures),
-        *([f'<div id="evidence">{"".join(evidence)}</div>'] if evidence else []),
-        *_ranking(ranking, ranking_note),
-    ]
-
-
-def _sentences(sentences: Sequence[str], found: bool | None) -> list[str]:
     style = {True: "fault", False: "none", None: "open"}[found]
-    parts = [page.paragraph(sentence) for sentence in sentences]
-    return [f'<div class="verdict {style}" id="verdict">{"".join(parts)}</div>']
-
-
-def _named_values(figures: Sequence[tuple[str, str]]) -> list[str]:
     pairs = (f"<div><dt>{page.typeset(n)}</dt><dd>{page.typeset(v)}</dd></div>" for n, v in figures)
-    return [f'<dl id="numbers">{"".join(pairs)}</dl>']
-
-
-def _ranking(ranking: Sequence[tuple[str, float, str, str]], note: str) -> list[str]:
-    if not ranking:
-        return []
-    rows = [
-        {"component": component, "increase dB": decibels(increase), verdict_words.STRENGTH: strength, "remark": remark}
-        for component, increase, strength, remark in ranking
+    parts = [
+        f'<div class="verdict {style}" id="verdict">{"".join(map(page.paragraph, sentences))}</div>',
+        f'<dl id="numbers">{"".join(pairs)}</dl>',
     ]
-    more = rows[RANKED_AT_ONCE:]
-    parts = [page.table(grid("Components by their evidence", rows[:RANKED_AT_ONCE]))]
-    if more:
-        parts.append(page.folded(f"{len(more)} more components", page.table(grid("", more))))
-    parts += [page.note(note)] if note else []
-    return [f'<div id="ranking">{"".join(parts)}</div>']
+    if evidence:
+        parts.append(f'<div id="evidence">{"".join(evidence)}</div>')
+    if ranking:
+        rows = [
+            {"component": name, "increase dB": decibels(increase), verdict_words.STRENGTH: strength, "remark": remark}
+            for name, increase, strength, remark in ranking
+        ]
+        inside = page.table(grid("Components by their evidence", rows[:RANKED_AT_ONCE]))
+        if more := rows[RANKED_AT_ONCE:]:
+            inside += page.folded(f"{len(more)} more components", page.table(grid("", more)))
+        parts.append(f'<div id="ranking">{inside}{page.note(ranking_note) if ranking_note else ""}</div>')
+    return parts
 
 
 def _ranked(finding: Finding, first: bool) -> tuple[str, float, str, str]:
@@ -272,7 +255,7 @@ def over_teeth(
     turns = cut_turns(signal, run.time.values, rotation, 1.0, settings.windows[window])
     if turns is None or turns.count < FEWEST_TURNS:
         return None
-    residual = average(turns.values, turns.orders, dict(enumerate(meshes))).residual
+    residual = Average(values=turns.values.mean(axis=1), orders=turns.orders, teeth=meshes).residual
     half, count = gear.teeth / 2, residual.shape[1]
     place = (gear.cycle + gear.teeth * np.arange(count) / count + half) % gear.teeth - half
     order = np.argsort(place)

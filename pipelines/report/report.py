@@ -6,25 +6,27 @@ import html
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import xarray
+
+from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.known_damage import Case, Damage, cases_grid
 from pipelines.diagnosis.line_words import criterion, directions
+from pipelines.diagnosis.uncertainty.bar_records import LineBars
 from pipelines.diagnosis.verdict_words import note
 from pipelines.engine.progress import step_words
 from pipelines.io.text_table import Grid, cell, grid, turned
 from pipelines.report import page, signal_sections
 from pipelines.report.figures.plots import drive_figure
 from pipelines.report.figures.views import LeftOut
-
-if TYPE_CHECKING:
-    import xarray
-
-    from pipelines.diagnosis.control_diagnosis import Diagnosis
-    from pipelines.diagnosis.uncertainty.bar_records import LineBars
-    from pipelines.signals.analysis import DiagnosisSettings
+from pipelines.signals.analysis import DiagnosisSettings
 
 Rows = Sequence[Mapping[str, Any]]
+GEARS = (
+    "Symbols of ISO 21771-1 and ISO 6336-1. Frequencies at the highest speed, forces at the load of the scene. The "
+    "line load is the tangential force per face width."
+)
 ROLLING = (
     "Pass frequencies at the highest speed, without slip. A spall on a rolling element meets both rings in each "
     "turn of the element, so its frequency is 2 BSF."
@@ -137,7 +139,7 @@ def report_sections(
         ("Two loads", signal_sections.two_loads(diagnoses)),
         ("All lines", signal_sections.all_lines(diagnoses, seeds)),
         ("What was run", _what_was_run(summary or {}, warnings)),
-        ("Gears", _gears(gears) + _picture(gear_picture)),
+        ("Gears", _noted(gears, GEARS, ("stage", "gear")) + _picture(gear_picture)),
         ("Rolling bearings", _noted(rolling, ROLLING)),
         ("Faults of shafts", _noted(shafts, SHAFTS)),
         ("Stiffness", [stiffness] if stiffness else []),
@@ -164,20 +166,12 @@ def _what_was_run(summary: Mapping[str, Any], warnings: Sequence[str]) -> list[s
     return parts
 
 
-def _gears(gears: Rows) -> list[str]:
-    note = (
-        "Symbols of ISO 21771-1 and ISO 6336-1. Frequencies at the highest speed, forces at the load of the scene. The "
-        "line load is the tangential force per face width."
-    )
-    parts = []
-    if gears:
-        parts = [page.table(turned(grid("", gears), ("stage", "gear"))), page.note(note)]
-    return parts
-
-
-def _noted(rows: Sequence[Mapping[str, Any]], note: str) -> list[str]:
-    """A table with what explains it, where there are rows."""
-    return [page.table(grid("", rows)), page.note(note)] if rows else []
+def _noted(rows: Rows, note: str, heads: Sequence[str] = ()) -> list[str]:
+    """A table with what explains it, where there are rows; with `heads` a column for each row, headed by these."""
+    if not rows:
+        return []
+    table = grid("", rows)
+    return [page.table(turned(table, heads) if heads else table), page.note(note)]
 
 
 def _picture(found: str | LeftOut | None) -> list[str]:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+
+import xarray
 
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.line_words import case_name, directions, lines_grid, seeds_grid
 from pipelines.diagnosis.uncertainty.bar_records import LineBars
 from pipelines.diagnosis.uncertainty.bar_words import bars_grid
 from pipelines.report import page
-from pipelines.report.chart_data import channels, views
+from pipelines.report.chart_data import charts
 from pipelines.report.figures.plots import waveform_figure
 from pipelines.report.figures.spectrum_plots import (
     comparison_figure,
@@ -20,19 +21,14 @@ from pipelines.report.figures.spectrum_plots import (
     single_spectrum_figure,
     spectrum_figure,
 )
-from pipelines.report.interactive_charts import charts
 from pipelines.signals.analysis import Analysis, DiagnosisSettings, analyse, channel_names
 from pipelines.signals.levels import contact_sentence, level_grid
 from pipelines.signals.levels import levels as measured_levels
 from pipelines.signals.line_table import LOADS
+from pipelines.signals.spectrum import Segment, Spectrum
 
-if TYPE_CHECKING:
-    import xarray
-
-    from pipelines.signals.spectrum import Segment, Spectrum
-
-    Runs = Mapping[str, xarray.Dataset]
-    Windows = Mapping[str, tuple[float, float]]
+Runs = Mapping[str, xarray.Dataset]
+Windows = Mapping[str, tuple[float, float]]
 
 
 def signals(
@@ -54,15 +50,15 @@ def signals(
     if channel is None:
         return []
     settings = diagnoses[0].settings if diagnoses else alone
-    own = None
-    if settings is not None and not diagnoses:
+    band, spectra = None, []
+    if diagnoses:
+        band, spectra = diagnoses[0].band, _compared_spectra(diagnoses[0])
+    elif settings is not None:
         own = analyse(next(iter(runs.values())), settings)
-    band = diagnoses[0].band if diagnoses else None if own is None else own.band
-    found = channels(runs, channel, settings, band)
+        band, spectra = own.band, _own_spectra(own, settings)
     caption = "Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right)."
     waveforms = page.picture(waveform_figure(runs, *channel, windows), caption, "static")
-    parts = [charts(list(runs), views(settings, band), found, windows), waveforms]
-    return parts + (_compared_spectra(diagnoses) if own is None or settings is None else _own_spectra(own, settings))
+    return [charts(runs, channel, settings, band, windows), waveforms, *spectra]
 
 
 def _channel(runs: Runs, sensor: str, axis: str) -> tuple[str, str] | None:
@@ -83,17 +79,15 @@ def levels(runs: Runs, windows: Windows) -> list[str]:
     return parts + ([page.paragraph(contact)] if contact else [])
 
 
-def _compared_spectra(diagnoses: Sequence[Diagnosis]) -> list[str]:
+def _compared_spectra(diagnosis: Diagnosis) -> list[str]:
     parts = []
-    for diagnosis in diagnoses[:1]:
-        for window in diagnosis.settings.windows:
-            segment = diagnosis.segments[window]
-            caption = (
-                f"{_named(diagnosis, window)}: one-sided peak amplitudes over {segment.revolutions} revolutions of the "
-                f"shaft of the damaged gear ({_length(segment)}), {_window_name(diagnosis.settings)}, "
-                f"sensor noise {diagnosis.noise:.3g} m/s² rms."
-            )
-            parts.append(page.picture(spectrum_figure(diagnosis, window), caption, "static"))
+    for window, segment in diagnosis.segments.items():
+        caption = (
+            f"{_named(diagnosis, window)}: one-sided peak amplitudes over {segment.revolutions} revolutions of the "
+            f"shaft of the damaged gear ({_length(segment)}), Hann window, "
+            f"sensor noise {diagnosis.noise:.3g} m/s² rms."
+        )
+        parts.append(page.picture(spectrum_figure(diagnosis, window), caption, "static"))
     return parts
 
 
@@ -111,7 +105,7 @@ def _own_spectra(analysis: Analysis, settings: DiagnosisSettings) -> list[str]:
         segment = analysis.segments[window]
         caption = (
             f"Spectrum in the window {window}: one-sided peak amplitudes over {segment.revolutions} revolutions of the "
-            f"shaft with f_r ({_length(segment)}), {_window_name(settings)}, with sensor noise."
+            f"shaft with f_r ({_length(segment)}), Hann window, with sensor noise."
         )
         parts.append(page.picture(single_spectrum_figure(spectrum, settings, title), caption, "static"))
     return parts
@@ -206,10 +200,6 @@ def all_lines(diagnoses: Sequence[Diagnosis], seeds: Sequence[Diagnosis]) -> lis
         inside = "".join(page.table(lines_grid(diagnosis, window)) for window in diagnosis.settings.windows)
         parts.append(page.folded(f"Lines of {case_name(diagnosis)}", inside))
     return parts
-
-
-def _window_name(settings: DiagnosisSettings) -> str:
-    return f"{settings.spectrum_window.capitalize()} window"
 
 
 def _faulty(diagnosis: Diagnosis, window: str) -> tuple[Spectrum, Spectrum]:

@@ -95,14 +95,14 @@ class RexsComponent:
             raise self.error(f"{key} is missing. Add it.")
         return value
 
-    def vector(self, key: str, unit: str = "mm") -> tuple[float, float, float] | None:
-        """Three numbers of an attribute, None if it is missing; RexsError if they are not three finite numbers."""
+    def vector(self, key: str) -> tuple[float, float, float] | None:
+        """A length (mm) along u, v, w, None if it is missing; RexsError if it has not three finite numbers."""
         found = self.attributes.get(key)
         if found is None:
             return None
         if len(found.numbers) != 3 or not all(map(math.isfinite, found.numbers)):
             raise self.error(f"{key} has {len(found.numbers)} numbers, and must have 3 finite ones. Correct it.")
-        factor = self._factor(key, found.unit, unit)
+        factor = self._factor(key, found.unit, "mm")
         u, v, w = (factor * value for value in found.numbers)
         return u, v, w
 

@@ -6,7 +6,7 @@ Places are in the frame of the scene: y along the shafts, z up, x across; the in
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,17 +17,6 @@ class RexsSection:
     end: float
     outer: tuple[float, float]
     inner: tuple[float, float]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Elements:
-    """Rolling elements of a bearing row."""
-
-    count: int
-    diameter: float
-    pitch_diameter: float
-    contact_angle: float
-    length: float | None  # of a roller
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,15 +33,7 @@ class RexsBearing:
     outer_diameter: float | None
     static_rating: float | None  # N
     radial_stiffness: float | None  # N/m
-    elements: Elements | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Between:
-    """A bearing between two shafts, given by their positions in the unit's tuple of shafts."""
-
-    shafts: tuple[int, int]
-    bearing: RexsBearing
+    elements: dict[str, Any]  # its rolling elements as keys of a scene; empty if they are not in the file
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,15 +56,6 @@ class RexsGear:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RexsMaterial:
-    """A material; N/mm2, kg/dm3."""
-
-    elastic_modulus: float
-    poisson_ratio: float
-    density: float
-
-
-@dataclass(frozen=True, kw_only=True)
 class RexsShaft:
     """A shaft with its axis at (x, z)."""
 
@@ -92,7 +64,7 @@ class RexsShaft:
     z: float
     sections: tuple[RexsSection, ...]
     bearings: tuple[RexsBearing, ...]
-    material: RexsMaterial | None
+    material: dict[str, float]  # as keys of a scene; empty if it is not in the file
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,7 +96,7 @@ class GearUnit:
     version: str
     shafts: tuple[RexsShaft, ...]
     stages: tuple[RexsStage, ...]
-    between: tuple[Between, ...]
+    between: tuple[tuple[tuple[int, int], RexsBearing], ...]  # bearings between two shafts, with their positions
     output: int
     output_y: float | None  # where the load is coupled
     load_case: LoadCase
@@ -146,7 +118,7 @@ class GearUnit:
         return 1 / self.speeds[self.output]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Note:
     """Difference between file and scene: `assumed` a value missing in the file, `changed` what a scene cannot
     express, `left out` what it does not contain."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from pipelines.rexs.document import Document, RexsComponent, RexsError
-from pipelines.rexs.gear_unit import GearUnit, Note, RexsGear, RexsMaterial, RexsSection, RexsShaft, RexsStage
+from pipelines.rexs.gear_unit import GearUnit, Note, RexsGear, RexsSection, RexsShaft, RexsStage
 from pipelines.rexs.left_out import left_out
-from pipelines.rexs.operation import Operation, read_operation
+from pipelines.rexs.operation import Operation
 from pipelines.rexs.part_places import Directions, Frame, directions, frame
 from pipelines.rexs.rexs_bearings import read_bearings, read_between
 
@@ -39,32 +39,34 @@ def read_gear_unit(document: Document) -> GearUnit:
     frames = {shaft.number_in_file: _frame_of(document, shaft) for shaft in document.of_kind("shaft")}
     scene = directions(next(iter(frames.values())))
     senses = {number: scene.sense(document.components[number], place) for number, place in frames.items()}
-    operation = read_operation(document, carried, senses)
+    operation = Operation(document, carried, senses)
     scene = scene if operation.sense > 0 else scene.reversed()
     document = operation.document
     order = {shaft.number_in_file: place for place, shaft in enumerate(operation.shafts)}
-    notes = [*operation.notes]
-    shafts = []
-    for shaft in operation.shafts:
-        bearings = read_bearings(document, shaft, frames[shaft.number_in_file], scene)
-        shafts.append(_shaft(document, shaft, frames[shaft.number_in_file], scene, bearings))
-    stages = [
-        _stage(document, stage, gears, [order[carried[gear.number_in_file]] for gear in gears], frames, carried, scene)
-        for stage, gears in operation.stages
-    ]
-    notes += [*_guessed_places(document), *left_out(document)]
+    gears = {
+        number: _gear(document, document.components[number], frames[shaft], scene) for number, shaft in carried.items()
+    }
     return GearUnit(
         source=document.source,
         written_by=document.written_by,
         version=document.version,
-        shafts=tuple(shafts),
-        stages=tuple(stages),
+        shafts=tuple(_shaft(document, shaft, frames[shaft.number_in_file], scene) for shaft in operation.shafts),
+        stages=tuple(
+            RexsStage(
+                label=stage.label,
+                shafts=(order[carried[pinion.number_in_file]], order[carried[wheel.number_in_file]]),
+                pinion=gears[pinion.number_in_file],
+                wheel=gears[wheel.number_in_file],
+                centre_distance=stage.number("center_distance", "mm"),
+            )
+            for stage, (pinion, wheel) in operation.stages
+        ),
         between=tuple(read_between(document, order, frames, scene)),
         output=order[operation.output.number_in_file],
         output_y=_output_place(operation, frames, scene),
         load_case=operation.load_case,
         other_cases=operation.other_cases,
-        notes=tuple(notes),
+        notes=(*operation.notes, *_guessed_places(document), *left_out(document)),
     )
 
 
@@ -89,7 +91,7 @@ def _guessed_places(document: Document) -> Iterator[Note]:
         if frame(document, gear) is None:
             value = f"{gear.number('u_coordinate_on_shaft', 'mm'):g} mm"
             reason = "taken as its mid face: it has no support_vector, and programs differ in what they write there"
-            yield Note(kind="assumed", where=f"{gear.label} u_coordinate_on_shaft", value=value, reason=reason)
+            yield Note("assumed", f"{gear.label} u_coordinate_on_shaft", value, reason)
 
 
 def _frame_of(document: Document, shaft: RexsComponent) -> Frame:
@@ -99,8 +101,9 @@ def _frame_of(document: Document, shaft: RexsComponent) -> Frame:
     return place
 
 
-def _shaft(document: Document, shaft: RexsComponent, place: Frame, scene: Directions, bearings: list) -> RexsShaft:
+def _shaft(document: Document, shaft: RexsComponent, place: Frame, scene: Directions) -> RexsShaft:
     x, z = scene.across(place)
+    bearings = read_bearings(document, shaft, place, scene)
     return RexsShaft(
         label=shaft.label,
         x=x,
@@ -127,31 +130,17 @@ def _sections(document: Document, shaft: RexsComponent, place: Frame, scene: Dir
         yield RexsSection(start=ends[0], end=ends[1], outer=outer, inner=inner)
 
 
-def _material(document: Document, shaft: RexsComponent) -> RexsMaterial | None:
+def _material(document: Document, shaft: RexsComponent) -> dict[str, float]:
     for relation in document.relations:
         if relation.kind == "reference" and relation.roles.get("origin") == shaft.number_in_file:
             material = document.components.get(relation.roles.get("referenced", -1))
             if material is not None and material.kind == "material":
-                return RexsMaterial(
-                    elastic_modulus=material.number("elastic_modulus", "N / mm^2"),
-                    poisson_ratio=material.number("poisson_ratio"),
-                    density=material.number("density", "kg / dm^3"),
-                )
-    return None
-
-
-def _stage(
-    document: Document, stage: RexsComponent, gears: tuple[RexsComponent, RexsComponent], shafts: list[int],
-    frames: dict[int, Frame], carried: dict[int, int], scene: Directions,
-) -> RexsStage:  # fmt: skip
-    pinion, wheel = (_gear(document, gear, frames[carried[gear.number_in_file]], scene) for gear in gears)
-    return RexsStage(
-        label=stage.label,
-        shafts=(shafts[0], shafts[1]),
-        pinion=pinion,
-        wheel=wheel,
-        centre_distance=stage.number("center_distance", "mm"),
-    )
+                return {
+                    "elastic_modulus_GPa": material.number("elastic_modulus", "N / mm^2") / 1000,
+                    "poisson_ratio": material.number("poisson_ratio"),
+                    "density_kg_m3": 1000 * material.number("density", "kg / dm^3"),
+                }
+    return {}
 
 
 def _gear(document: Document, gear: RexsComponent, shaft: Frame, scene: Directions) -> RexsGear:

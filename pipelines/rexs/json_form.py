@@ -97,6 +97,8 @@ def _table(value: Any, source: str) -> Mapping[str, Any]:
 
 def _whole(table: Any, source: str) -> int:
     value = _table(table, source).get("id")
+    if isinstance(value, str) and value.isascii() and value.isdigit() and len(value) < 10:  # XML has texts
+        value = int(value)
     if not isinstance(value, int) or isinstance(value, bool):
         raise RexsError(f"{source}: id = {shown_value(value)} must be a whole number. Correct it.")
     return value

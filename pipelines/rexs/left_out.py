@@ -50,15 +50,10 @@ def left_out(document: Document) -> Iterator[Note]:
     for load in document.of_kind("external_load"):
         for key, unit in _FORCES.items():
             if value := load.optional(key, unit):
-                yield Note(
-                    kind="left out",
-                    where=f"{load.label} {key}",
-                    value=f"{value:g} {unit}",
-                    reason="not read",
-                )
+                yield Note("left out", f"{load.label} {key}", f"{value:g} {unit}", "not read")
     counts = Counter(component.kind for component in document.components.values() if component.kind not in _PARTS)
     for kind, count in sorted(counts.items()):
-        yield Note(kind="left out", where=shown(kind), value="", reason=f"not read ({_times(count)})")
+        yield Note("left out", shown(kind), "", f"not read ({_times(count)})")
     values = Counter(
         (component.kind, key, attribute.text.strip())
         for component in document.components.values()
@@ -66,9 +61,7 @@ def left_out(document: Document) -> Iterator[Note]:
         if key in _ATTRIBUTES and number_of(attribute.text or "0") != 0
     )
     for (kind, key, text), count in sorted(values.items()):
-        yield Note(
-            kind="left out", where=f"{shown(kind)} {key}", value=shown(text, 40), reason=f"not read ({_times(count)})"
-        )
+        yield Note("left out", f"{shown(kind)} {key}", shown(text, 40), f"not read ({_times(count)})")
 
 
 def _times(count: int) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 from pipelines.rexs.gear_unit import GearUnit, Note
@@ -13,20 +12,12 @@ TWIST = 0.01  # rad: of the coupling at the motor under the torque of the load c
 SETTLING = 2.5e-4  # s: its damping over its stiffness
 
 
-@dataclass(frozen=True)
-class MotionTables:
-    """Tables [drive] and [load]; `missing` are keys that the user must give, with the reason."""
+def motion_tables(unit: GearUnit, notes: list[Note]) -> tuple[dict[str, Any], dict[str, Any], dict[str, str]]:
+    """Tables [drive] with the speed of the load case and [load] with its torque over the ratio, without losses.
 
-    drive: dict[str, Any]
-    load: dict[str, Any]
-    missing: dict[str, str]
-    notes: tuple[Note, ...]
-
-
-def motion_tables(unit: GearUnit) -> MotionTables:
-    """The drive with the speed of the load case, the load with its torque over the ratio; without losses."""
-    case, missing = unit.load_case, {}
-    torque = case.torque
+    The third one has the keys that the user must give, with the reason; `notes` takes the assumptions made.
+    """
+    case, torque, missing = unit.load_case, unit.load_case.torque, {}
     coupling = abs(torque) / TWIST if torque else 2000.0
     drive: dict[str, Any] = {
         "model": "speed",
@@ -47,38 +38,21 @@ def motion_tables(unit: GearUnit) -> MotionTables:
         load["torque_N_m"] = abs(torque * unit.ratio)
     else:
         missing["load.torque_N_m"] = "torque that the driven machine takes: the file gives none"
-    return MotionTables(drive, load, missing, _notes(unit, coupling))
-
-
-def _notes(unit: GearUnit, coupling: float) -> tuple[Note, ...]:
-    case = unit.load_case
-    notes = [
-        Note(
-            kind="assumed",
-            where="drive",
-            value=f"from rest to speed in {RUN_UP:g} s, then {END - RUN_UP:g} s at speed",
-            reason="the file has load cases, no motion; the motor stands at the -y end of its shaft",
+    assumed = {
+        "drive": (
+            f"from rest to speed in {RUN_UP:g} s, then {END - RUN_UP:g} s at speed",
+            "the file has load cases, no motion; the motor stands at the -y end of its shaft",
         ),
-        Note(
-            kind="assumed",
-            where="drive.coupling_stiffness_N_m_per_rad",
-            value=f"{coupling:.4g}",
-            reason=f"it twists by {TWIST:g} rad ({math.degrees(TWIST):.2g} deg) under the torque; the file has none",
+        "drive.coupling_stiffness_N_m_per_rad": (
+            f"{coupling:.4g}",
+            f"it twists by {TWIST:g} rad ({math.degrees(TWIST):.2g} deg) under the torque; the file has none",
         ),
-        Note(
-            kind="assumed",
-            where="load.inertia_kg_m2",
-            value="0",
-            reason="the file has no driven machine",
-        ),
-    ]
-    if case.torque is not None:
-        notes.append(
-            Note(
-                kind="assumed",
-                where="load.torque_N_m",
-                value=f"{abs(case.torque * unit.ratio):.6g}",
-                reason=f"{abs(case.torque):.6g} N m at the input times the ratio {unit.ratio:.6g}, without losses",
-            )
+        "load.inertia_kg_m2": ("0", "the file has no driven machine"),
+    }
+    if torque is not None:
+        assumed["load.torque_N_m"] = (
+            f"{abs(torque * unit.ratio):.6g}",
+            f"{abs(torque):.6g} N m at the input times the ratio {unit.ratio:.6g}, without losses",
         )
-    return tuple(notes)
+    notes += [Note("assumed", where, *words) for where, words in assumed.items()]
+    return drive, load, missing

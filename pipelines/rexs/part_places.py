@@ -25,17 +25,13 @@ class Frame:
     axes: np.ndarray
 
 
-def frame(document: Document, component: RexsComponent) -> Frame | None:
-    """Frame of a component, None if the file gives none.
+def frame(document: Document, component: RexsComponent, seen: tuple[int, ...] = ()) -> Frame | None:
+    """Frame of a component, None if the file gives none; `seen` are the components that refer to it.
 
     Raises
     ------
     RexsError : axes without length or not perpendicular, places that refer to one another in a circle
     """
-    return _frame(document, component, ())
-
-
-def _frame(document: Document, component: RexsComponent, seen: tuple[int, ...]) -> Frame | None:
     place = component.vector("support_vector")
     u, w = component.vector("u_axis_vector"), component.vector("w_axis_vector")
     if place is None or u is None or w is None:
@@ -50,7 +46,7 @@ def _frame(document: Document, component: RexsComponent, seen: tuple[int, ...]) 
         return own
     if number in seen:
         raise component.error("its position refers in a circle to itself. Correct reference_component_for_position.")
-    below = _frame(document, other, (*seen, component.number_in_file))
+    below = frame(document, other, (*seen, component.number_in_file))
     if below is None:
         raise component.error(f"its position refers to {other.label}, which has none. Give its support_vector.")
     return Frame(below.origin + below.axes @ own.origin, below.axes @ own.axes)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from pipelines.rexs.document import Document, RexsComponent
-from pipelines.rexs.gear_unit import Between, Elements, RexsBearing
+from pipelines.rexs.gear_unit import RexsBearing
 from pipelines.rexs.part_places import Directions, Frame
 
 KINDS = (
@@ -14,6 +15,7 @@ KINDS = (
     "rolling_bearing_with_detailed_geometry",
     "concept_bearing",
 )
+BALLS = ("radial_grooved_ball_bearing", "angular_contact_ball_bearing", "four_point_contact_ball_bearing")
 
 
 def read_bearings(document: Document, shaft: RexsComponent, place: Frame, scene: Directions) -> list[RexsBearing]:
@@ -36,8 +38,8 @@ def read_bearings(document: Document, shaft: RexsComponent, place: Frame, scene:
 
 def read_between(
     document: Document, order: Mapping[int, int], frames: Mapping[int, Frame], scene: Directions
-) -> Iterator[Between]:
-    """The bearings between two shafts.
+) -> Iterator[tuple[tuple[int, int], RexsBearing]]:
+    """The bearings between two shafts, with the places of these in the order of the power flow.
 
     Parameters
     ----------
@@ -49,10 +51,8 @@ def read_between(
     for bearing, inner, outer in _seated(document):
         if inner.kind == outer.kind == "shaft":
             place = frames[inner.number_in_file]
-            yield Between(
-                shafts=(order[inner.number_in_file], order[outer.number_in_file]),
-                bearing=_bearing(document, bearing, "inner", place, scene, scene.sense(inner, place)),
-            )
+            read = _bearing(document, bearing, "inner", place, scene, scene.sense(inner, place))
+            yield (order[inner.number_in_file], order[outer.number_in_file]), read
 
 
 def _seated(document: Document) -> Iterator[tuple[RexsComponent, RexsComponent, RexsComponent]]:
@@ -90,22 +90,25 @@ def _bearing(
     )
 
 
-def _elements(document: Document, bearing: RexsComponent, sense: int) -> Elements | None:
-    """The rolling elements of a bearing of one row, None where the file does not describe them."""
+def _elements(document: Document, bearing: RexsComponent, sense: int) -> dict[str, Any]:
+    """Keys of the rolling elements of a bearing of one row, none where the file does not describe them."""
     rows = document.parts(bearing, "rolling_bearing_row")
     if len(rows) != 1:
-        return None
+        return {}
     row, rolling = rows[0], document.parts(rows[0], "rolling_element")
     count, pitch = row.optional("number_of_rolling_elements"), row.optional("reference_diameter", "mm")
     diameter = rolling[0].optional("diameter_of_rolling_element", "mm") if rolling else None
     if count is None or pitch is None or diameter is None:
-        return None
+        return {}
     towards = math.copysign(sense, -1.0) if row.text("axial_force_absorption_of_row") == "negative" else sense
-    return Elements(
-        count=round(count),
-        diameter=diameter,
-        pitch_diameter=pitch,
-        contact_angle=towards * (row.optional("pressure_angle", "deg") or 0.0),
-        length=row.optional("significant_contact_length_inner_ring", "mm")
-        or rolling[0].optional("length_of_rolling_element", "mm"),
-    )
+    length = row.optional("significant_contact_length_inner_ring", "mm")
+    length = length or rolling[0].optional("length_of_rolling_element", "mm")
+    balls = length is None or bearing.text("bearing_type") in BALLS
+    return {
+        "kind": "ball" if balls else "roller",
+        "elements": round(count),
+        "element_diameter_mm": diameter,
+        "pitch_diameter_mm": pitch,
+        "contact_angle_deg": towards * (row.optional("pressure_angle", "deg") or 0.0),
+        **({} if balls else {"roller_length_mm": length}),
+    }

@@ -24,15 +24,10 @@ def new_scene_from_rexs(target: str | Path, source: str | Path) -> tuple[Path, S
     RexsError : what of the source no scene can hold
     """
     made = scene_text(read_gear_unit(read_document(source)), f"Gear unit of {Path(source).name}")
-    if not made.missing:
-        _checked(made, str(source))
-    return write_scene(target, made.text), made
-
-
-def _checked(made: SceneText, source: str) -> None:
-    """Raise RexsError with what the validation of scenes refuses."""
     try:
-        lay_out(scene_of_tree(read_toml(made.text), "rexs").scene, source)
+        if not made.missing:
+            lay_out(scene_of_tree(read_toml(made.text), "rexs").scene, str(source))
     except SceneError as error:
         reasons = "; ".join(map(str, error.problems))
         raise RexsError(f"{source}: a scene cannot hold it: {reasons}") from error
+    return write_scene(target, made.text), made

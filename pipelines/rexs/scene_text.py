@@ -12,24 +12,19 @@ from pipelines.io.shown_text import shown
 from pipelines.io.toml_text import format_value
 from pipelines.rexs.bearing_tables import bearing_table, between_table
 from pipelines.rexs.document import RexsError
-from pipelines.rexs.gear_unit import GearUnit, Note, RexsMaterial, RexsSection, RexsShaft
-from pipelines.rexs.motion_tables import MotionTables, motion_tables
-from pipelines.rexs.stage_tables import RexsStageTable, stage_table
+from pipelines.rexs.gear_unit import GearUnit, Note, RexsSection, RexsShaft
+from pipelines.rexs.motion_tables import motion_tables
+from pipelines.rexs.stage_tables import stage_table
 
 DIGITS = 12  # significant digits that are written
 PIECES = 4  # cylinders in place of a conical stretch
 JOINT = 1e-6  # mm: sections with a smaller gap are connected
-STEEL = RexsMaterial(elastic_modulus=206_000.0, poisson_ratio=0.3, density=7.85)
+STEEL = {"elastic_modulus_GPa": 206.0, "poisson_ratio": 0.3, "density_kg_m3": 7850.0}
 GRADE = 5
 HARMONICS = 20  # least output rate divided by the fastest mesh frequency: ten harmonics
 SIMPLEST = (
-    Note(
-        kind="assumed",
-        where="casing.model",
-        value="none",
-        reason="bearings are held by the ground: REXS has no housing",
-    ),
-    Note(kind="assumed", where="stages.mesh.model", value="iso", reason="a first look within seconds"),
+    Note("assumed", "casing.model", "none", "bearings are held by the ground: REXS has no housing"),
+    Note("assumed", "stages.mesh.model", "iso", "a first look within seconds"),
 )
 HEADINGS = {
     "assumed": "Assumed: not given in the file.",
@@ -54,32 +49,18 @@ def scene_text(unit: GearUnit, name: str) -> SceneText:
     ------
     RexsError : impossible in a scene: gears that do not fit, gaps in a shaft, a shaft without bearings
     """
-    stages = [stage_table(unit, number) for number in range(1, len(unit.stages) + 1)]
-    motion = motion_tables(unit)
-    shafts, notes = [], [*unit.notes, *(note for stage in stages for note in stage.notes), *motion.notes]
-    for number, shaft in enumerate(unit.shafts, 1):
-        lines, more = _shaft_lines(unit, number, shaft)
-        shafts += lines
-        notes += more
-    joints, more = _between_lines(unit)
-    notes += more
-    material, more = _material(unit)
-    grade, graded = _grade(unit)
-    notes += [*more, *graded, *SIMPLEST]
+    notes = [*unit.notes]
+    stages = [line for number in range(1, len(unit.stages) + 1) for line in _stage_lines(unit, number, notes)]
+    drive, load, missing = motion_tables(unit, notes)
+    material, grade = _material(unit, notes), _grade(unit, notes)
     body = [
         f"title = {format_value(shown(name, 100))}",
         "",
         "[gear_material]",
-        *_keys(
-            {
-                "elastic_modulus_GPa": material.elastic_modulus / 1000,
-                "poisson_ratio": material.poisson_ratio,
-                "density_kg_m3": 1000 * material.density,
-            }
-        ),
-        *(line for number, stage in enumerate(stages, 1) for line in _stage_lines(unit, number, stage)),
-        *shafts,
-        *joints,
+        *_keys(material),
+        *stages,
+        *(line for number, shaft in enumerate(unit.shafts, 1) for line in _shaft_lines(unit, number, shaft, notes)),
+        *_between_lines(unit, notes),
         "",
         "[shaft_model]",
         'model = "timoshenko"',
@@ -92,9 +73,10 @@ def scene_text(unit: GearUnit, name: str) -> SceneText:
         "[casing]",
         'model = "none"  # signals are bearing forces; for sensors set a housing, see docs/scene-keys.md:',
         '# model = "rigid", with [casing.housing] (box, or model = "step" with a file), [casing.material], [[sensors]]',
-        *_motion_lines(unit, motion, stages),
+        *_motion_lines(unit, drive, load, missing),
     ]
-    return SceneText("\n".join([*_head(unit, notes), *body, ""]), tuple(notes), motion.missing)
+    notes += SIMPLEST
+    return SceneText("\n".join([*_head(unit, notes), *body, ""]), tuple(notes), missing)
 
 
 def _head(unit: GearUnit, notes: Iterable[Note]) -> Iterator[str]:
@@ -127,33 +109,32 @@ def _rounded(value: Any) -> Any:
     return value
 
 
-def _material(unit: GearUnit) -> tuple[RexsMaterial, list[Note]]:
+def _material(unit: GearUnit, notes: list[Note]) -> dict[str, float]:
     """Material of all gears and shafts: that of the first shaft with a material."""
-    given = [shaft.material for shaft in unit.shafts if shaft.material is not None]
+    given = [shaft.material for shaft in unit.shafts if shaft.material]
     material = given[0] if given else STEEL
-    value = f"E {material.elastic_modulus / 1000:g} GPa, nu {material.poisson_ratio:g}, {material.density:g} kg/dm3"
-    if not given:
-        return material, [Note(kind="assumed", where="gear_material", value=value, reason="steel; the file gives none")]
-    reason = "that of the shafts, taken for the gears too"
-    if len(set(given)) > 1:
+    modulus, ratio, density = material.values()
+    reason = "that of the shafts, taken for the gears too" if given else "steel; the file gives none"
+    several = any(one != material for one in given)
+    if several:
         reason = "one material for all, that of the first shaft that names one; the file has several"
-        return material, [Note(kind="changed", where="gear_material", value=value, reason=reason)]
-    return material, [Note(kind="assumed", where="gear_material", value=value, reason=reason)]
+    value = f"E {modulus:g} GPa, nu {ratio:g}, {density / 1000:g} kg/dm3"
+    notes.append(Note("changed" if several else "assumed", "gear_material", value, reason))
+    return material
 
 
-def _grade(unit: GearUnit) -> tuple[int, list[Note]]:
+def _grade(unit: GearUnit, notes: list[Note]) -> int:
     grades = {gear.grade for stage in unit.stages for gear in (stage.pinion, stage.wheel) if gear.grade is not None}
-    if len(grades) == 1:
-        return grades.pop(), []
-    reason = f"the coarsest of {sorted(grades)}" if grades else "the file gives none"
     grade = max(grades, default=GRADE)
-    return grade, [Note(kind="assumed", where="deviations.iso_grade", value=f"{grade}", reason=reason)]
+    if len(grades) != 1:
+        reason = f"the coarsest of {sorted(grades)}" if grades else "the file gives none"
+        notes.append(Note("assumed", "deviations.iso_grade", f"{grade}", reason))
+    return grade
 
 
-def _stage_lines(unit: GearUnit, number: int, stage: RexsStageTable) -> Iterator[str]:
-    pair = stage.pair
-    yield ""
-    yield f"[[stages]]  # {number}: {unit.stages[number - 1].label}"
+def _stage_lines(unit: GearUnit, number: int, notes: list[Note]) -> Iterator[str]:
+    values, pair = stage_table(unit, number, notes)
+    yield from ("", f"[[stages]]  # {number}: {unit.stages[number - 1].label}")
     for name, gear in (("pinion", pair.pinion), ("wheel", pair.wheel)):
         diameters = ", ".join(
             f"{symbol} {2000 * radius:.4f}"
@@ -169,37 +150,29 @@ def _stage_lines(unit: GearUnit, number: int, stage: RexsStageTable) -> Iterator
     yield (
         f"# alpha_wt {angle:.4f} deg, eps_alpha {pair.transverse_contact_ratio:.4f}, eps_beta {pair.overlap_ratio:.4f}"
     )
-    yield from _keys(stage.values)
+    yield from _keys(values)
     yield 'mesh = { model = "iso" }  # "plane": 2-D finite elements, seconds; "solid": 3-D, tens of seconds'
 
 
-def _shaft_lines(unit: GearUnit, number: int, shaft: RexsShaft) -> tuple[list[str], list[Note]]:
-    notes: list[Note] = []
-    sections = list(_cylinders(unit, shaft, notes, f"shafts.{number}.sections"))
+def _shaft_lines(unit: GearUnit, number: int, shaft: RexsShaft, notes: list[Note]) -> Iterator[str]:
     if not shaft.bearings:
         raise RexsError(f"{unit.source}: {shaft.label}: has no bearing. Add the relation side of one with this shaft.")
-    lines = ["", f"[[shafts]]  # {number}: {shaft.label}", "sections = ["]
-    lines += [f"    {format_value(_rounded(section))}," for section in sections]
-    lines += ["]", *_keys({"bearing_positions_mm": [bearing.y for bearing in shaft.bearings]})]
-    lines.append("bearings = [")
+    yield from ("", f"[[shafts]]  # {number}: {shaft.label}", "sections = [")
+    for section in _cylinders(unit, shaft, notes, f"shafts.{number}.sections"):
+        yield f"    {format_value(_rounded(section))},"
+    yield from ("]", *_keys({"bearing_positions_mm": [bearing.y for bearing in shaft.bearings]}), "bearings = [")
     for place, bearing in enumerate(shaft.bearings, 1):
-        table, more = bearing_table(bearing, shaft, f"shafts.{number}.bearings.{place}")
-        lines.append(f"    {format_value(_rounded(table))},  # {bearing.label}")
-        notes += more
-    return [*lines, "]"], notes
+        table = bearing_table(bearing, shaft, f"shafts.{number}.bearings.{place}", notes)
+        yield f"    {format_value(_rounded(table))},  # {bearing.label}"
+    yield "]"
 
 
-def _between_lines(unit: GearUnit) -> tuple[list[str], list[Note]]:
+def _between_lines(unit: GearUnit, notes: list[Note]) -> Iterator[str]:
     """Bearings between two shafts, as couplings without torsional stiffness."""
-    lines, notes = list[str](), list[Note]()
-    for number, between in enumerate(unit.between, 1):
-        bearing = between.bearing
-        table, more = between_table(bearing, unit.shafts[between.shafts[0]], f"couplings.{number}")
-        lines += ["", f"[[couplings]]  # {bearing.label}, between two shafts"]
-        lines += _keys({"shafts": [shaft + 1 for shaft in between.shafts], "positions_mm": [bearing.y, bearing.y]})
-        lines += _keys(table)
-        notes += more
-    return lines, notes
+    for number, (shafts, bearing) in enumerate(unit.between, 1):
+        springs = between_table(bearing, unit.shafts[shafts[0]], f"couplings.{number}", notes)
+        places = {"shafts": [shaft + 1 for shaft in shafts], "positions_mm": [bearing.y, bearing.y]}
+        yield from ("", f"[[couplings]]  # {bearing.label}, between two shafts", *_keys(places | springs))
 
 
 def _cylinders(unit: GearUnit, shaft: RexsShaft, notes: list[Note], path: str) -> Iterator[dict[str, float]]:
@@ -212,12 +185,11 @@ def _cylinders(unit: GearUnit, shaft: RexsShaft, notes: list[Note], path: str) -
                 f"{section.start:g} mm. Sections must join: correct u_coordinate_on_shaft or length."
             )
         start = section.start if before is None else before.end
-        before = RexsSection(start=start, end=section.end, outer=section.outer, inner=section.inner)
+        before = section
         conical = section.outer[0] != section.outer[1] or section.inner[0] != section.inner[1]
         if conical:
             where = f"{path} from y = {start:g} to {section.end:g} mm"
-            value = f"{PIECES} steps"
-            notes.append(Note(kind="changed", where=where, value=value, reason="conical; a scene has cylinders"))
+            notes.append(Note("changed", where, f"{PIECES} steps", "conical; a scene has cylinders"))
         pieces = PIECES if conical else 1
         for piece in range(pieces):
             middle = (piece + 0.5) / pieces
@@ -230,29 +202,22 @@ def _cylinders(unit: GearUnit, shaft: RexsShaft, notes: list[Note], path: str) -
             }
 
 
-def _motion_lines(unit: GearUnit, motion: MotionTables, stages: list[RexsStageTable]) -> Iterator[str]:
-    yield ""
-    yield "[drive]"
-    yield f"# load case {unit.load_case.name}"
+def _motion_lines(
+    unit: GearUnit, drive: dict[str, Any], load: dict[str, Any], missing: dict[str, str]
+) -> Iterator[str]:
+    yield from ("", "[drive]", f"# load case {unit.load_case.name}")
     for case in unit.other_cases:
         turning = "no speed" if case.speed is None else f"{case.speed:g} rpm"
         twisting = "no torque" if case.torque is None else f"{case.torque:g} N m at the input"
         yield f"# load case {case.name}: {turning}, {twisting}"
-    yield from _keys(motion.drive)
-    yield from _missing(motion, "drive")
-    yield ""
-    yield "[load]"
-    yield from _keys(motion.load)
-    yield from _missing(motion, "load")
+    yield from (*_keys(drive), *_missing(missing, "drive"), "", "[load]", *_keys(load), *_missing(missing, "load"))
     speed = abs(unit.load_case.speed or 0.0) / 60
     fastest = max(speed * unit.speeds[stage.shafts[0]] * stage.pinion.teeth for stage in unit.stages)
     rate = max(10_000.0, 1000.0 * math.ceil(HARMONICS * fastest / 1000))
-    yield ""
-    yield "[simulation]"
-    yield from _keys({"end_s": motion.drive["times_s"][-1], "output_rate_Hz": rate, "step_us": 20.0})
+    yield from ("", "[simulation]", *_keys({"end_s": drive["times_s"][-1], "output_rate_Hz": rate, "step_us": 20.0}))
 
 
-def _missing(motion: MotionTables, table: str) -> Iterator[str]:
-    for path, words in motion.missing.items():
+def _missing(missing: Mapping[str, str], table: str) -> Iterator[str]:
+    for path, words in missing.items():
         if path.startswith(f"{table}."):
             yield f"# {path.partition('.')[2]} = ...  # TO BE SET: {words}"

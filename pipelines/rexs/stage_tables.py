@@ -7,38 +7,31 @@ stays that of the basic rack (ISO 21771:2007, 5.4.5; a_d reference centre distan
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
-from fem.gears.gear import Gear as Body
+from fem.elements.materials import STEEL
 from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
-from fem.gears.rack import Rack
 from fem.gears.wheel_body import THINNEST_RIM
-from pipelines.machine.layout import USUAL_BACKLASH
+from pipelines.io.errors import SceneError
+from pipelines.machine.layout import USUAL_BACKLASH, gear_pair
 from pipelines.rexs.document import RexsError
 from pipelines.rexs.gear_unit import GearUnit, Note, RexsGear, RexsShaft, RexsStage
+from pipelines.scene.load_scene import validate
+from pipelines.scene.merge import Merged
+from pipelines.scene.tables.stages import StageTable
 
 USUAL_RACK = {"rack_addendum": 1.0, "rack_dedendum": 1.25, "rack_tip_radius": 0.38}  # ISO 53 A
 
 
-@dataclass(frozen=True)
-class RexsStageTable:
-    """Keys and values of the table, the gears in SI, and what was assumed."""
-
-    values: dict[str, Any]
-    pair: GearPair
-    notes: tuple[Note, ...]
-
-
-def stage_table(unit: GearUnit, number: int) -> RexsStageTable:
-    """The table of a stage, counted from 1.
+def stage_table(unit: GearUnit, number: int, notes: list[Note]) -> tuple[dict[str, Any], GearPair]:
+    """Keys and values of the table of a stage, counted from 1, and its gears in SI; `notes` takes the assumptions made.
 
     Raises
     ------
     RexsError : the gears do not fit together, with the reason
     """
-    stage, notes = unit.stages[number - 1], list[Note]()
+    stage, path = unit.stages[number - 1], f"stages.{number}"
     pinion, wheel = stage.pinion, stage.wheel
     _same(unit, stage)
     low, high = max(pinion.start, wheel.start), min(pinion.end, wheel.end)
@@ -49,11 +42,9 @@ def stage_table(unit: GearUnit, number: int) -> RexsStageTable:
         )
     for name, gear in (("pinion", pinion), ("wheel", wheel)):
         if gear.end - gear.start > (high - low) * (1 + 1e-9):
-            wide = gear.end - gear.start
-            reason = f"the common part of the faces; the {name} is {wide:g} mm wide, the mass of the rest is left out"
-            notes.append(
-                Note(kind="changed", where=f"stages.{number}.face_width_mm", value=_text(high - low), reason=reason)
-            )
+            wide = f"the {name} is {gear.end - gear.start:g} mm wide"
+            reason = f"the common part of the faces; {wide}, the mass of the rest is left out"
+            notes.append(Note("changed", f"{path}.face_width_mm", _text(high - low), reason))
     driving, driven = (unit.shafts[shaft] for shaft in stage.shafts)
     values: dict[str, Any] = {}
     if any(one.shafts != (place, place + 1) for place, one in enumerate(unit.stages)):
@@ -70,23 +61,20 @@ def stage_table(unit: GearUnit, number: int) -> RexsStageTable:
         "wheel_profile_shift": wheel.profile_shift,
         "centre_distance_mm": stage.centre_distance,
         "position_mm": (low + high) / 2,
-        "direction_deg": _direction(unit, stage, driving, driven, notes, number),
+        "direction_deg": _direction(unit, stage, driving, driven, notes, path),
     }
     for name, gear, shaft in zip(("pinion", "wheel"), (pinion, wheel), (driving, driven), strict=True):
-        details, more = _details(stage, gear, f"stages.{number}.{name}")
-        bore, bores = _bore(gear, shaft, (low + high) / 2, details, f"stages.{number}.{name}_bore_mm", unit)
-        values |= {f"{name}_bore_mm": bore, name: details}
-        notes += more + bores
+        values[name] = _details(stage, gear, f"{path}.{name}", notes)
+        key, middle = f"{name}_bore_mm", (low + high) / 2
+        values[key] = _bore(gear, shaft, middle, values[name], f"{path}.{key}", unit, notes)
     pair = _pair(unit, stage, values)
     if pair.backlash < USUAL_BACKLASH:
         values["backlash_um"] = 1e6 * USUAL_BACKLASH
         reason = (
             f"tooth thickness allowances are not read; the centre distance alone leaves {pair.backlash * 1e6:.2f} um"
         )
-        notes.append(
-            Note(kind="assumed", where=f"stages.{number}.backlash_um", value=f"{1e6 * USUAL_BACKLASH:g}", reason=reason)
-        )
-    return RexsStageTable(values, pair, tuple(notes))
+        notes.append(Note("assumed", f"{path}.backlash_um", f"{1e6 * USUAL_BACKLASH:g}", reason))
+    return values, pair
 
 
 def _same(unit: GearUnit, stage: RexsStage) -> None:
@@ -105,7 +93,7 @@ def _same(unit: GearUnit, stage: RexsStage) -> None:
 
 
 def _direction(
-    unit: GearUnit, stage: RexsStage, one: RexsShaft, other: RexsShaft, notes: list[Note], number: int
+    unit: GearUnit, stage: RexsStage, one: RexsShaft, other: RexsShaft, notes: list[Note], path: str
 ) -> float:
     """Direction from the pinion's axis to that of the wheel (deg); the distance must be that of the stage."""
     x, z = other.x - one.x, other.z - one.z
@@ -117,35 +105,31 @@ def _direction(
         )
     if abs(distance - wanted) > 1e-4 * wanted:
         reason = f"center_distance; the distance of the axes in the file is {distance:.6g} mm"
-        notes.append(
-            Note(kind="changed", where=f"stages.{number}.centre_distance_mm", value=_text(wanted), reason=reason)
-        )
+        notes.append(Note("changed", f"{path}.centre_distance_mm", _text(wanted), reason))
     return math.degrees(math.atan2(z, x))
 
 
-def _details(stage: RexsStage, gear: RexsGear, path: str) -> tuple[dict[str, float], list[Note]]:
+def _details(stage: RexsStage, gear: RexsGear, path: str, notes: list[Note]) -> dict[str, float]:
     """The table of one gear: rack and tip."""
-    notes = []
     values = {"rack_addendum": gear.addendum, "rack_dedendum": _dedendum(gear), "rack_tip_radius": gear.tip_radius}
     if missing := [key for key, value in values.items() if value is None]:
         value = ", ".join(f"{key} {USUAL_RACK[key]:g}" for key in missing)
-        notes.append(Note(kind="assumed", where=path, value=value, reason="ISO 53 A; the file gives none"))
+        notes.append(Note("assumed", path, value, "ISO 53 A; the file gives none"))
     details = {key: USUAL_RACK[key] if value is None else value for key, value in values.items()}
     standard = _reference_diameter(gear) / 2 + gear.module * (details["rack_addendum"] + gear.profile_shift)
     given = gear.tip_diameter
     height = 0.0 if given is None else (given - _reference_diameter(gear)) / 2 - gear.module * gear.profile_shift
     if given is not None and 0.3 * gear.module < height < 2 * gear.module:
-        details["tip_alteration_mm"] = given / 2 - standard
-        return details, notes
+        return details | {"tip_alteration_mm": given / 2 - standard}
     sum_of_shifts = stage.pinion.profile_shift + stage.wheel.profile_shift
     reference = (_reference_diameter(stage.pinion) + _reference_diameter(stage.wheel)) / 2
-    details["tip_alteration_mm"] = stage.centre_distance - reference - gear.module * sum_of_shifts
-    reason = "tips shortened to keep the tip clearance; the file gives no tip_diameter"
+    alteration = stage.centre_distance - reference - gear.module * sum_of_shifts
+    why = "the file gives no tip_diameter"
     if given is not None:
-        reason = f"tips shortened to keep the tip clearance; tip_diameter = {given:g} mm of the file is no tip circle"
-    value = _text(details["tip_alteration_mm"])
-    notes.append(Note(kind="assumed", where=f"{path}.tip_alteration_mm", value=value, reason=reason))
-    return details, notes
+        why = f"tip_diameter = {given:g} mm of the file is no tip circle"
+    reason = f"tips shortened to keep the tip clearance; {why}"
+    notes.append(Note("assumed", f"{path}.tip_alteration_mm", _text(alteration), reason))
+    return details | {"tip_alteration_mm": alteration}
 
 
 def _dedendum(gear: RexsGear) -> float | None:
@@ -159,8 +143,8 @@ def _reference_diameter(gear: RexsGear) -> float:
 
 
 def _bore(
-    gear: RexsGear, shaft: RexsShaft, y: float, details: dict[str, float], path: str, unit: GearUnit
-) -> tuple[float, list[Note]]:
+    gear: RexsGear, shaft: RexsShaft, y: float, details: dict[str, float], path: str, unit: GearUnit, notes: list[Note]
+) -> float:
     """Where the gear body begins: at the shaft's surface, or inside it where the gear is cut from the shaft."""
     root = _reference_diameter(gear) - 2 * gear.module * (details["rack_dedendum"] - gear.profile_shift)
     section = next((one for one in shaft.sections if one.start <= y <= one.end), None)
@@ -170,38 +154,20 @@ def _bore(
         )
     diameter, largest = max(section.outer), root - 2 * THINNEST_RIM * gear.module
     if diameter <= largest:
-        return diameter, []
+        return diameter
     reason = f"{THINNEST_RIM} modules below the root circle: the gear is cut on its shaft of {diameter:g} mm"
-    return largest, [Note(kind="assumed", where=path, value=_text(largest), reason=reason)]
+    notes.append(Note("assumed", path, _text(largest), reason))
+    return largest
 
 
 def _pair(unit: GearUnit, stage: RexsStage, values: dict[str, Any]) -> GearPair:
     """The gears of a table in SI; RexsError with the reason where they do not work."""
     try:
-        pinion, wheel = (_body(values, name, hand) for name, hand in (("pinion", "right"), ("wheel", "left")))
-        return GearPair(pinion=pinion, wheel=wheel, centre_distance=values["centre_distance_mm"] / 1000)
-    except GeometryError as error:
-        raise RexsError(f"{unit.source}: {stage.label}: {error}") from error
-
-
-def _body(values: dict[str, Any], name: str, hand: str) -> Body:
-    details = values[name]
-    return Body(
-        teeth=values[f"{name}_teeth"],
-        normal_module=values["module_mm"] / 1000,
-        helix_angle=math.radians(values["helix_angle_deg"]),
-        face_width=values["face_width_mm"] / 1000,
-        profile_shift=values[f"{name}_profile_shift"],
-        rack=Rack(
-            addendum=details["rack_addendum"],
-            dedendum=details["rack_dedendum"],
-            tip_radius=details["rack_tip_radius"],
-            pressure_angle=math.radians(values["pressure_angle_deg"]),
-        ),
-        bore_radius=values[f"{name}_bore_mm"] / 2000,
-        tip_alteration=details["tip_alteration_mm"] / 1000,
-        hand=hand,
-    )
+        table, _ = validate(Merged(values), StageTable, unit.source)
+        return gear_pair(table, STEEL)
+    except (GeometryError, SceneError) as error:
+        reasons = "; ".join(map(str, getattr(error, "problems", (error,))))
+        raise RexsError(f"{unit.source}: {stage.label}: {reasons}") from error
 
 
 def _text(value: float) -> str:

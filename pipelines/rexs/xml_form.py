@@ -36,22 +36,24 @@ def document_of_xml(content: bytes, source: str) -> Document:
     return document_of_model(
         {
             **root.attrib,
-            "components": [_component(one, source) for one in root.iterfind("components/component")],
-            "relations": [_relation(one, source) for one in root.iterfind("relations/relation")],
-            "load_spectrum": {"load_cases": [_case(one, source) for one in root.iterfind("load_spectrum/load_case")]},
+            "components": [_component(one) for one in root.iterfind("components/component")],
+            "relations": [
+                {"type": one.get("type", ""), "refs": [ref.attrib for ref in one.iterfind("ref")]}
+                for one in root.iterfind("relations/relation")
+            ],
+            "load_spectrum": {
+                "load_cases": [
+                    {**one.attrib, "components": [_component(part) for part in one.iterfind("component")]}
+                    for one in root.iterfind("load_spectrum/load_case")
+                ]
+            },
         },
         source,
     )
 
 
-def _case(element: ET.Element, source: str) -> dict[str, Any]:
-    components = [_component(one, source) for one in element.iterfind("component")]
-    return {"id": _whole(element, "id", source), "components": components}
-
-
-def _component(element: ET.Element, source: str) -> dict[str, Any]:
-    attributes = [_attribute(one) for one in element.iterfind("attribute")]
-    return {**element.attrib, "id": _whole(element, "id", source), "attributes": attributes}
+def _component(element: ET.Element) -> dict[str, Any]:
+    return {**element.attrib, "attributes": [_attribute(one) for one in element.iterfind("attribute")]}
 
 
 def _attribute(element: ET.Element) -> dict[str, Any]:
@@ -66,15 +68,3 @@ def _number(text: str) -> float | str:
         return float(text)
     except ValueError:
         return text
-
-
-def _relation(element: ET.Element, source: str) -> dict[str, Any]:
-    refs = [{"role": ref.get("role", ""), "id": _whole(ref, "id", source)} for ref in element.iterfind("ref")]
-    return {"type": element.get("type", ""), "refs": refs}
-
-
-def _whole(element: ET.Element, key: str, source: str) -> int:
-    text = element.get(key, "")
-    if not (text.isascii() and text.isdigit() and len(text) < 10):
-        raise RexsError(f'{source}: <{shown(element.tag)} {key}="{shown(text)}">: must be a whole number. Correct it.')
-    return int(text)

@@ -137,7 +137,7 @@ def _times(machine: MachineModel) -> Iterator[str]:
     if not kinematics.frequency or not windows:
         return
     uses = {"averages": FEWEST_TURNS, "lines": FEWEST_REVOLUTIONS}
-    needed = {use: needed_seconds(kinematics, turns) for use, turns in uses.items()}
+    needed = {use: needed_seconds(kinematics.shafts, kinematics.frequency, turns) for use, turns in uses.items()}
     turns = " and ".join(f"{turns} whole turns for {use}" for use, turns in uses.items())
     yield f"  shortest diagnosis windows: {turns}, and one turn more because a window begins at any angle"
     yield f"  shaft       {'averages s':<11} {'lines s':<11} too short"

@@ -10,24 +10,21 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
 
 from fem.contact.contact_pressure import flank_pressure
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.stiffness_curve import StiffnessCurve, loaded_approach
+from fem.gears.geometry import GearPair
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import whole_file
 from pipelines.report.figures.plots import TransmissionErrors
+from pipelines.scene.load_scene import LoadedScene
 from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, Passage, engagement, quantity
-
-if TYPE_CHECKING:
-    import xarray
-
-    from fem.gears.geometry import GearPair
-    from pipelines.engine.run_graph import Work
-    from pipelines.scene.load_scene import LoadedScene
 
 PER_CYCLE = 40  # positions per mesh cycle
 ERROR_POSITIONS = 256  # in the mesh cycle whose mesh orders are computed
@@ -108,26 +105,26 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
     ------
     LawError : a force cannot be reached
     """
-    import xarray
-
     reach = round(max(PITCHES_SHOWN, *(np.ceil(max(np.abs(engagement(p.pair)))) + 1 for p in pairs)) * PER_CYCLE)
     position = np.arange(-reach, reach + 1) / PER_CYCLE
-    cases, curves, by_pair, greatest, ranges = [], [], [], [], []
-    for found, state in zip(pairs, states, strict=True):
-        for case in _cases(found):
-            cycle = case.passage.cycle + position
-            curve = found.stiffness(
-                cycle, faulty=case.faulty, modified=case.modified, force=state.force, tilt=state.tilt
-            )
-            cases.append(case)
-            curves.append(curve)
-            by_pair.append(_pressures(case, curve))
-            greatest.append(_greatest_pressure(case, state))
-            inside = _in_contact(found.pair, position)
-            ranges.append(_peak_to_peak(_error(case, state), position[inside.start - 1 : inside.stop + 1]))
-    numbers = np.unique(np.concatenate([pair for pair, _, _ in by_pair]))
+    found = []
+    for laws, state in zip(pairs, states, strict=True):
+        inside = _in_contact(laws.pair, position)
+        near = position[inside.start - 1 : inside.stop + 1]
+        for case in _cases(laws):
+            options: dict[str, Any] = {
+                "faulty": case.faulty,
+                "modified": case.modified,
+                "force": state.force,
+                "tilt": state.tilt,
+            }
+            curve = laws.stiffness(case.passage.cycle + position, **options)
+            ranged = _peak_to_peak(_error(case, state), near)
+            found.append((case, curve, _pressures(case, curve), _greatest_pressure(case, state), ranged))
+    cases, curves, shares, greatest, ranges = map(list, zip(*found, strict=True))
+    numbers = np.unique(np.concatenate([pair for pair, _, _ in shares]))
     spread = np.zeros((2, len(cases), position.size, numbers.size))
-    for i, (pair, share, pressure) in enumerate(by_pair):
+    for i, (pair, share, pressure) in enumerate(shares):
         at = np.searchsorted(numbers, pair)
         spread[0, i, :, at], spread[1, i, :, at] = share.T, pressure.T
     torques = [curve.force * c.laws.pair.pinion.base_radius for c, curve in zip(cases, curves, strict=True)]
@@ -140,7 +137,11 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
     return xarray.Dataset(
         {name: (dims, values, quantity(*words[name])) for name, (dims, values) in data.items()}
         | {
-            "greatest_pressure": ("case", greatest, quantity("Pa", "greatest Hertz pressure of the contact pattern")),
+            "greatest_pressure": (
+                "case",
+                list(greatest),
+                quantity("Pa", "greatest Hertz pressure of the contact pattern"),
+            ),
             "peak_to_peak": ("case", ranges, quantity("m", "peak-to-peak transmission error")),
         },
         coords={

@@ -5,6 +5,7 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -49,18 +50,17 @@ class InspectedStage:
         if found.faults:
             teeth = found.teeth(faulty=True)
             states.append(mesh_frames(found.faults, pair, found.drive, found.force, cycles, *teeth))
-        placed = self.placed
-        view = stage_view(placed, found.healthy, in_mesh=True)
-        return MeshView(
-            title=self.title,
-            gears=stage_view(placed, found.healthy, in_mesh=True, damaged=False),
-            damaged=view if placed.fault is not None else None,
-            marked=self.marked,
-            model=found.drive.model,
-            force=found.force,
-            cycles=cycles,
-            states=tuple(states),
-        )
+        return MeshView(**self.shown(), model=found.drive.model, force=found.force, cycles=cycles, states=tuple(states))
+
+    def shown(self) -> dict[str, Any]:
+        """Title, gears and damaged tooth of a picture of the stage under load, see `PairStates`."""
+        placed, law = self.placed, self.laws.healthy
+        return {
+            "title": self.title,
+            "gears": stage_view(placed, law, in_mesh=True, damaged=False),
+            "damaged": None if placed.fault is None else stage_view(placed, law, in_mesh=True),
+            "marked": self.marked,
+        }
 
     def gears_title(self) -> str:
         """Title of the overview: scene, position in mesh, load and size."""

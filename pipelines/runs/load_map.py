@@ -7,23 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
 
 from fem.contact.evaluation.contact_pattern import contact_pattern
 from fem.contact.evaluation.evaluator import LawEvaluator
-from fem.contact.evaluation.mesh_cycle import ORDERS, mesh_cycle, order_amplitudes
+from fem.contact.evaluation.mesh_cycle import ORDERS, MeshCycle, mesh_cycle, order_amplitudes
+from fem.contact.law import MeshLaw
+from fem.contact.models.solid_stress import RootStress
+from fem.gears.geometry import GearPair
 from pipelines.io.user_files import whole_file
 from pipelines.steps.pair_curves import quantity
-
-if TYPE_CHECKING:
-    import xarray
-
-    from fem.contact.evaluation.mesh_cycle import MeshCycle
-    from fem.contact.law import MeshLaw
-    from fem.contact.models.solid_stress import RootStress
-    from fem.gears.geometry import GearPair
 
 TORQUE_SHARES = (0.25, 0.5, 0.75, 1.0)  # of the torque of the scene
 TORQUES = 12  # in equal steps up to the largest one
@@ -72,30 +68,31 @@ def load_map(
     ------
     LawError : a force is not reached
     """
-    import xarray
-
     given = sorted(set(torques))
     torque = np.unique([float(f"{one:.9g}") for one in [*given, *np.arange(1, TORQUES + 1) * given[-1] / TORQUES]])
     shown, radius = np.unique([given[0], given[len(given) // 2], given[-1]]), pair.pinion.base_radius
     nodes = np.unique(np.round(np.concatenate([one.face for one in roots]), 12))[::sense]
-    found: dict[str, list[np.ndarray]] = {name: [] for name in _CONTENT}
+    found = []
     for name, law in laws.items():
         cycle = mesh_cycle(pair, LawEvaluator(law), torque / radius, tilt, POSITIONS)
         face, every = law.face_coordinate[::sense], range(torque.size)
         teeth = np.zeros(law.pinion_teeth), np.zeros(law.wheel_teeth)
         patterns = [contact_pattern(name, pair, law, "pinion", 0, one / radius, teeth, tilt=tilt) for one in shown]
-        stress = [[_along_face(one, nodes, law, cycle, n) for one in roots] for n in every]
-        found["transmission_error"].append(cycle.error)
-        found["peak_to_peak"].append(np.ptp(cycle.error, axis=1))
-        found["order_amplitude"].append(order_amplitudes(cycle.error))
-        found["face_load_factor"].append(np.array([cycle.face_load_factor(n) for n in every]))
-        found["line_load"].append(np.array([cycle.line_load(n)[::sense] for n in every]))
-        found["pressure"].append(np.array([cycle.pressure(n)[::sense] for n in every]))
-        found["root_stress"].append(np.array(stress))
-        found["pattern"].append(np.array([one.pressure[:, ::sense] for one in patterns]))
+        found.append(
+            {
+                "transmission_error": cycle.error,
+                "peak_to_peak": np.ptp(cycle.error, axis=1),
+                "order_amplitude": order_amplitudes(cycle.error),
+                "face_load_factor": [cycle.face_load_factor(n) for n in every],
+                "line_load": [cycle.line_load(n)[::sense] for n in every],
+                "pressure": [cycle.pressure(n)[::sense] for n in every],
+                "root_stress": [[_along_face(one, nodes, law, cycle, n) for one in roots] for n in every],
+                "pattern": [one.pressure[:, ::sense] for one in patterns],
+            }
+        )
     return xarray.Dataset(
         {
-            name: (("state", *dims), np.array(found[name]), quantity(units, text))
+            name: (("state", *dims), np.array([one[name] for one in found]), quantity(units, text))
             for name, (dims, units, text) in _CONTENT.items()
         },
         coords={

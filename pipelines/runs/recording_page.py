@@ -19,7 +19,8 @@ from pipelines.diagnosis.impacts import impact_words
 from pipelines.io.user_files import write_whole
 from pipelines.report import page
 from pipelines.report.figures.comparison_plots import comparison_figures
-from pipelines.runs.judged_recording import JudgedFile, features_grid
+from pipelines.runs.judged_recording import JudgedFile
+from pipelines.runs.judged_words import features_grid
 from pipelines.signals.levels import level_grid
 
 _CAPTIONS = {  # by the beginning of the name of a figure

@@ -6,20 +6,18 @@ import argparse
 import math
 import warnings
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from fem.contact.models.mesh_model import LawSpec
+from fem.contact.models.solid import Solid
+from fem.gears.geometry import GearPair
+from pipelines.engine.run_graph import Work
+from pipelines.engine.step import Graph, Step
 from pipelines.io.errors import SceneWarning
 from pipelines.io.user_files import writable_file
-
-if TYPE_CHECKING:
-    from fem.contact.models.mesh_model import LawSpec
-    from fem.contact.models.solid import Solid
-    from fem.gears.geometry import GearPair
-    from pipelines.engine.run_graph import Work
-    from pipelines.engine.step import Graph, Step
-    from pipelines.machine.machine_model import MachineModel
-    from pipelines.report.figures.tooth_stress_pictures import StressView
-    from pipelines.report.figures.views import Teeth
+from pipelines.machine.machine_model import MachineModel
+from pipelines.report.figures.tooth_stress_pictures import StressView
+from pipelines.report.figures.views import Teeth
 
 CRACK = "cracked-tooth"
 _NOTE = "the crack is not in the finite elements: the stress is that of an uncracked tooth"
@@ -51,13 +49,13 @@ def loaded_teeth(
     SceneWarning : the stage has a crack, which the finite elements do not contain
     """
     from pipelines.engine.step import Graph
-    from pipelines.report.figures.picture_geometry import placed_pair, stage_view
     from pipelines.report.figures.tooth_stress_pictures import (
         FORMATS,
         StressView,
         teeth_in_mesh,
         write_teeth,
     )
+    from pipelines.runs.inspect_gears import InspectedStage
     from pipelines.steps.pair_curves import acting, law_names, pair_laws
 
     stage = options.stage
@@ -78,20 +76,15 @@ def loaded_teeth(
     crack = _NOTE if CRACK in kinds else ""
     if crack:
         warnings.warn(f"stage {stage}: {crack}. {_REMEDY}", SceneWarning, stacklevel=2)
-    placed = placed_pair(machine, stage)
-    damaged = stage_view(placed, found.healthy, in_mesh=True)
-    healthy = stage_view(placed, found.healthy, in_mesh=True, damaged=False)
+    shown = InspectedStage(machine=machine, laws=found).shown()
     if target is not None:
         target.parent.mkdir(parents=True, exist_ok=True)
-        write_teeth(states[-1], target, healthy.frame)
+        write_teeth(states[-1], target, shown["gears"].frame)
     healthy_name = "healthy, without the crack" if crack else "healthy"
     names = (healthy_name, ", ".join(kind.replace("-", " ") for kind in kinds))[: len(states)]
     roots = [root_stresses(pair, teeth) for teeth in states]
     view = StressView(
-        title=f"{machine.title}: stage {stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
-        gears=healthy,
-        damaged=None if placed.fault is None else damaged,
-        marked=found.passages[0].name if found.passages else "",
+        **shown,
         note=crack,
         model=f"model solid, refinement {model.refinement:g}, {model.slices} slices along the face",
         force=force,
@@ -143,23 +136,20 @@ def root_stresses(pair: GearPair, teeth: Teeth) -> list[dict[str, Any]]:
 
 def stress_model(law: LawSpec) -> Solid:
     """The model `solid` with the options of a law, or with its defaults if the law has another model."""
-    from fem.contact.models.solid import Solid
-
     mesh = law.mesh
     return Solid(slices=mesh.slices, refinement=mesh.refinement) if isinstance(mesh, Solid) else Solid()
 
 
 def root_step(machine: MachineModel, stage: int) -> Step:
     """The step of the root stresses of a stage (from 1) by unit forces on the flanks."""
-    from fem.contact.models.mesh_model import LawSpec
+    from fem.contact.models.solid_stress import root_stress
     from pipelines.engine.step import Step
-    from pipelines.steps import stress
 
     return Step(
         name=f"root stress of stage {stage}",
         kind="root-stress",
-        build=stress.build_root,
-        spec=LawSpec(pair=machine.flanks[stage - 1].pair, mesh=stress_model(machine.laws[stage - 1])),
+        build=root_stress,
+        spec={"pair": machine.flanks[stage - 1].pair, "model": stress_model(machine.laws[stage - 1])},
         libraries=("numpy", "scipy"),
         seconds=9.0,
     )
@@ -169,7 +159,6 @@ def _stress_steps(machine: MachineModel, stage: int, index: int, force: float) -
     """Steps of the compliance of a stage and of the stress of its teeth, healthy and, with faults, faulty."""
     import numpy as np
 
-    from fem.contact.models.mesh_model import LawSpec
     from pipelines.engine.step import Step
     from pipelines.machine.tooth_terms import mesh_faults
     from pipelines.steps import stress
@@ -182,7 +171,7 @@ def _stress_steps(machine: MachineModel, stage: int, index: int, force: float) -
             name=f"compliance of stage {stage}",
             kind="compliance",
             build=stress.build_compliance,
-            spec=LawSpec(pair=pair, mesh=model),
+            spec={"pair": pair, "model": model},
             libraries=("numpy", "scipy"),
             seconds=6.0,
         )

@@ -152,12 +152,9 @@ class _Files:
         if not self.signals and all(name in self._results for name in self._plan.motions):
             self._write_signals()
             self.signals = True
-        if step.name == VERDICT:
-            self._write_verdict(result.load())
-        elif step.name == DIAGNOSIS:
-            self._write_diagnosis(result.load())
-        elif step.name == REPORT:
-            self._write_report(result.load())
+        writers = {VERDICT: self._write_verdict, DIAGNOSIS: self._write_diagnosis, REPORT: self._write_report}
+        if step.name in writers:
+            writers[step.name](result.load())
         if {DIAGNOSIS, BARS} <= self._results.keys() and step.name in (DIAGNOSIS, BARS):
             self._write_words()
 

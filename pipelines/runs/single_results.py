@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fem.casing.reduced.reduced_body import MODES_OVER_BAND
 from fem.storage import shown_html
@@ -41,12 +41,12 @@ class Casing:
     """The casing of a scene; an elastic one with its mesh, modes and checks."""
 
     body: ReducedBody  # mass, stiffness, damping, rows of bearings and sensors; SI
-    mesh: CasingMesh | None
-    modes: CasingModes | None
-    natural: NaturalModes | None  # frequencies in Hz, effective masses
-    checkup: CheckUp | None
-    limits: FrequencyLimits | None  # of its frequencies, extrapolated to zero element size; None if not extrapolated
-    error: ErrorStatement | None  # against the full model, on request
+    mesh: CasingMesh | None = None
+    modes: CasingModes | None = None
+    natural: NaturalModes | None = None  # frequencies in Hz, effective masses
+    checkup: CheckUp | None = None
+    limits: FrequencyLimits | None = None  # of its frequencies, extrapolated to zero element size
+    error: ErrorStatement | None = None  # against the full model, on request
     records: tuple[StepRecord, ...]  # seconds and memory of its steps
     band: float  # Hz
     participation: np.ndarray | None = None  # T^T M R (coordinate, 6) about the centre of gravity, of an elastic casing
@@ -163,21 +163,23 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         graph = Graph([*graph, casing_step(check)])
         requested.append("casing error")
     outcome = work.build(graph, requested)
-    body, modes, checkup, natural, limits = outcome.value("casing"), None, None, None, None
-    participation = None
+    body, found = outcome.value("casing"), dict[str, Any]()  # of an elastic casing
     if elastic:
         from fem.casing.reduced.casing_modes import kept_modes, natural_modes
 
         modes, checkup = outcome.value("casing modes")[:2]
         spec = graph.steps["casing"].spec
-        mounts = spec.mounts
-        chosen = kept_modes(modes, modes.springs(mounts), limit=limit, frequency_error=spec.frequency_error)
-        participation = chosen.basis.T @ modes.participation
-        natural = natural_modes(modes, mounts, limit=limit, stiffness_factor=body.stiffness_factor)
+        chosen = kept_modes(modes, modes.springs(spec.mounts), limit=limit, frequency_error=spec.frequency_error)
+        found = {
+            "modes": modes,
+            "checkup": checkup,
+            "natural": natural_modes(modes, spec.mounts, limit=limit, stiffness_factor=body.stiffness_factor),
+            "participation": chosen.basis.T @ modes.participation,
+        }
         if coarser:
             from fem.casing.uncertainty.extrapolation import measured_limits
 
-            limits = measured_limits(modes, [outcome.value(name) for name in coarser])
+            found["limits"] = measured_limits(modes, [outcome.value(name) for name in coarser])
     mesh = outcome.value("casing mesh") if meshed else None
     words = ""
     if mesh is not None and structure.joint is not None and structure.material is not None:
@@ -193,11 +195,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         body=body,
         mesh=mesh,
         joint=words,
-        participation=participation,
-        modes=modes,
-        natural=natural,
-        checkup=checkup,
-        limits=limits,
+        **found,
         error=outcome.value("casing error") if error_check else None,
         requested_error=getattr(machine.casing, "target_error", 0.0) or None,
         records=tuple(record for record in outcome.records if "casing" in record.name),

@@ -11,7 +11,8 @@ from pipelines.diagnosis.trend import LEVELS, Course, trend_grid
 from pipelines.io.user_files import write_whole
 from pipelines.report import page
 from pipelines.report.figures.trend_plots import trend_figure
-from pipelines.runs.judged_recording import JudgedFile, files_grid, notes_of
+from pipelines.runs.judged_recording import JudgedFile, notes_of
+from pipelines.runs.judged_words import files_grid
 
 
 def write_trend_page(

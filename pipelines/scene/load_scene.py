@@ -95,8 +95,7 @@ def scene_of_tree(tree: Mapping[str, Any], name: str = "scene") -> LoadedScene:
     ------
     SceneError, InputError : as in `load_scene`
     """
-    source = Source(name, format_document(plain(tree)), Path.cwd(), f"scene {shown(name)}")
-    return _loaded(source, {}, [])
+    return _loaded(Source(name, format_document(plain(tree)), Path.cwd(), f"scene {shown(name)}"), {}, [])
 
 
 def _loaded(source: Source, change: Mapping[str, Any], problems: list[Problem]) -> LoadedScene:
@@ -265,9 +264,7 @@ def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
 
 def user_states(source: Source, key: str) -> bool:
     """True if a file of the user, or one that it extends, sets a key such as "casing.band_Hz"."""
-    seen = set()
-    while source.folder is not None and identity(source) not in seen:
-        seen.add(identity(source))
+    while source.folder is not None:
         tree = parse(source)
         if _at(tree, tuple(key.split("."))) is not None:
             return True

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,9 +11,9 @@ import numpy as np
 
 from fem.gears.prescribed import FLANKS, MeasuredFlanks
 from pipelines.io.errors import SceneError
-from pipelines.io.shown_text import number_of, shown
+from pipelines.io.shown_text import shown
 from pipelines.io.user_files import read_text
-from pipelines.scene.tables.series import reading, refused
+from pipelines.scene.tables.series import cell_number, reading, refused
 
 if TYPE_CHECKING:
     import xarray
@@ -39,7 +38,7 @@ def measured_flanks(name: str, path: str, sense: int) -> MeasuredFlanks:
     SceneError : no such file, a line or variable that does not fit, points that make no grid
     """
     file = Path(name)
-    with reading(file, name, path, _MOST_BYTES):
+    with reading(file, name, path, _MOST_BYTES, "CSV or netCDF"):
         if file.suffix.lower() in NETCDF:
             found = _from_netcdf(file, path)
         else:
@@ -76,7 +75,7 @@ def _from_csv(text: str, path: str) -> xarray.DataArray:
         flank = (row["flank"] or "").strip()
         if flank not in FLANKS:
             raise _refused(path, f"line {rows.line_num}: flank is {shown(flank)}", "Set drive or coast")
-        *place, value = (_number(row[key], rows.line_num, key, path) for key in (*_AXES, "deviation_um"))
+        *place, value = (cell_number(row[key] or "", rows.line_num, key, path) for key in (*_AXES, "deviation_um"))
         if (flank, *place) in points:
             raise _refused(path, f"line {rows.line_num}: this point is there twice", "Delete one of the two lines")
         points[flank, *place] = value
@@ -94,33 +93,19 @@ def _from_csv(text: str, path: str) -> xarray.DataArray:
     return deviation
 
 
-def _number(cell: str | None, line: int, column: str, path: str) -> float:
-    value = number_of(cell)
-    if not math.isfinite(value):
-        raise _refused(path, f"line {line}: {column} is {shown(cell or 'empty')}", "Write a number")
-    return value
-
-
 def _from_netcdf(file: Path, path: str) -> xarray.DataArray:
     """As `_from_csv`, from the variable deviation_um."""
     import xarray
 
     wanted = ("flank", *_AXES)
-    try:
-        with xarray.open_dataset(file, engine="h5netcdf") as data:
-            found = data["deviation_um"].load()
-        if set(found.dims) != set(wanted) or not set(wanted) <= set(found.coords):
-            raise _refused(
-                path,
-                f"deviation_um has the dimensions {', '.join(map(str, found.dims))}",
-                f"Set {', '.join(wanted)}",
-            )
-        sides = [str(flank) for flank in found["flank"].values]
-        found = found.transpose(*wanted).astype(float).assign_coords(flank=sides)
-    except SceneError:
-        raise
-    except Exception as error:  # the libraries raise errors of every kind
-        raise _refused(path, f"cannot be read as netCDF ({error})", "Set a CSV or netCDF file") from error
+    with xarray.open_dataset(file, engine="h5netcdf") as data:
+        found = data["deviation_um"].load()
+    if set(found.dims) != set(wanted) or not set(wanted) <= set(found.coords):
+        raise _refused(
+            path, f"deviation_um has the dimensions {', '.join(map(str, found.dims))}", f"Set {', '.join(wanted)}"
+        )
+    sides = [str(flank) for flank in found["flank"].values]
+    found = found.transpose(*wanted).astype(float).assign_coords(flank=sides)
     if not set(sides) <= set(FLANKS) or len(set(sides)) < len(sides) or not np.isfinite(found.values).all():
         raise _refused(
             path, "flank must hold drive and coast, each once, and all deviations must be finite", "Correct the file"

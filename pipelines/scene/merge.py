@@ -53,9 +53,7 @@ def _merged_table(
 
 
 def _merged(base: Any, change: Any, path: Path, offers: set[Path], problems: list[Problem]) -> Any:
-    if isinstance(change, Whole):
-        return change
-    if not isinstance(change, Mapping):
+    if isinstance(change, Whole) or not isinstance(change, Mapping):
         return change
     if isinstance(base, Mapping):
         return _merged_table(base, change, path, offers, problems)

@@ -103,15 +103,13 @@ _BAND = "casing.band_Hz"
 
 def preset_settings(scene: Scene, preset: str) -> Settings:
     """The values that a preset sets, by path."""
-    from pipelines.scene.tables.casing import ElasticBase
-
     level = LEVELS[preset]
     settings: Settings = {"simulation.step_us": level.step_us}
     for number, stage in enumerate(scene.stages, start=1):
         overlap_ratio = stage.face_width_mm * math.sin(stage.si.helix_angle) / (math.pi * stage.module_mm)  # ISO 21771
         slices = min(max(level.slices, math.ceil(overlap_ratio / level.slice_width)), most_slices())
         settings[f"stages.{number}.mesh"] = {"model": "solid", "refinement": level.refinement, "slices": slices}
-    if isinstance(scene.casing, ElasticBase):
+    if scene.casing.elastic:
         settings |= _casing_mesh(scene, scene.casing, level)
     if (band := getattr(scene.casing, "band_Hz", None)) is not None:
         settings[_BAND] = band * level.band
@@ -127,17 +125,15 @@ def most_slices() -> int:
 
 def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
     """Settings of the casing mesh: hexahedra for a plain parametric housing whose scene does not select tetrahedra."""
-    from pipelines.scene.tables.housing import HousingBase, MatricesHousingTable, MeshHousingTable
-
     housing, coarser = casing.housing, COARSER.get(casing.element, 1.0)
 
     def sized(factor: float) -> float:
         """Element size for a factor relative to quadratic tetrahedra."""
         return casing.element_size_mm * (factor / coarser)
 
-    if isinstance(housing, MatricesHousingTable):
+    if housing.model == "matrices":
         return {}
-    hexahedra = isinstance(housing, HousingBase) and (
+    hexahedra = housing.model == "parametric" and (
         casing.element.startswith("hexahedron")
         or (
             housing.plain
@@ -151,7 +147,7 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
             "casing.element_size_mm": sized(level.extruded_size),
             "casing.extrapolated": level.extruded_extrapolated,
         }
-    if isinstance(housing, MeshHousingTable):
+    if housing.model == "mesh":
         return {}
     linear = casing.element == "tetrahedron-4"  # linear elements are chosen only for comparison
     if level.cubic_size is not None and not linear:

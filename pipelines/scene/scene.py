@@ -23,11 +23,10 @@ from pipelines.scene.tables.casing import (
 from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.diagnosis import DiagnosisTable
 from pipelines.scene.tables.drive_and_load import DriveModel, LoadModel
-from pipelines.scene.tables.faults import AnyFaultTable, BearingSpallTable, FaultBase, FaultTable
-from pipelines.scene.tables.forces import ForceModel, PlacedTable
-from pipelines.scene.tables.housing import HousingBase
+from pipelines.scene.tables.faults import SPALL, AnyFaultTable, BearingSpallTable, FaultTable
+from pipelines.scene.tables.forces import ForceModel
 from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm
-from pipelines.scene.tables.scene_table import Table
+from pipelines.scene.tables.scene_table import Table, repeated_names
 from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ProbeTable, ShaftModelTable, ShaftTable
 from pipelines.scene.tables.simulation import SimulationTable
 from pipelines.scene.tables.stages import DeviationTable, StageTable
@@ -86,14 +85,19 @@ class Scene(Table):
         return getattr(self.casing, "housing", None)
 
     @property
+    def parametric(self) -> Any:
+        """The table of the housing if that is parametric; None for another."""
+        return self.housing if getattr(self.housing, "model", "") == "parametric" else None
+
+    @property
     def tooth_faults(self) -> dict[int, FaultTable]:
         """Faults of teeth by their number in the scene, from 1."""
-        return {number: fault for number, fault in enumerate(self.faults, 1) if isinstance(fault, FaultBase)}
+        return {number: fault for number, fault in enumerate(self.faults, 1) if fault.kind != SPALL}
 
     @property
     def spalls(self) -> dict[int, BearingSpallTable]:
         """Faults of bearings by their number in the scene, from 1."""
-        return {number: fault for number, fault in enumerate(self.faults, 1) if isinstance(fault, BearingSpallTable)}
+        return {number: fault for number, fault in enumerate(self.faults, 1) if fault.kind == SPALL}
 
     @model_validator(mode="after")
     def _consistent(self) -> Scene:
@@ -111,9 +115,9 @@ class Scene(Table):
             )
         else:
             yield from self._shaft_numbers()
-        if isinstance(self.housing, HousingBase):
+        if self.parametric is not None:
             for key in ("bore_diameters_mm", "boss_diameters_mm"):
-                count = len(getattr(self.housing, key))
+                count = len(getattr(self.parametric, key))
                 if count != len(self.shafts):
                     yield (
                         f"casing.housing.{key}: number of values {count}, number of shafts {len(self.shafts)}. Set one "
@@ -124,10 +128,8 @@ class Scene(Table):
                 f'sensors: {len(self.sensors)} sensors on a casing, but casing.model = "{self.casing.model}". Set '
                 "sensors = [], or another casing.model"
             )
-        for key, named in (("sensors", self.sensors), ("probes", self.probes)):
-            names = [one.name for one in named]
-            for name in sorted({n for n in names if names.count(n) > 1}):
-                yield f"{key}: the name {name} occurs {names.count(name)} times. Set another name"
+        yield from repeated_names("sensors", self.sensors, "Set another name")
+        yield from repeated_names("probes", self.probes, "Set another name")
 
     def _shaft_numbers(self):
         named: list[tuple[str, tuple[int, ...]]] = [
@@ -144,14 +146,6 @@ class Scene(Table):
                     yield f"{path}: there is no shaft {place + 1}. {_up_to(len(self.shafts))}"
             if len(shafts) == 2 and shafts[0] == shafts[1]:
                 yield f"{path}: both ends are on shaft {shafts[0] + 1}. Set two different shafts"
-        for order, force in enumerate(self.forces, 1):
-            if not isinstance(force, PlacedTable):
-                continue
-            sections = self.shafts[min(max(force.shaft, 1), len(self.shafts)) - 1].sections
-            start, end = sections[0].start_mm, sections[-1].end_mm
-            for key, y in force.positions.items():
-                if not start <= y <= end:
-                    yield f"forces.{order}.{key} = {y:g}: is not on shaft {force.shaft}. Set {start:g} to {end:g}"
         if self.housing is not None:
             for number, shaft in enumerate(self.shafts, 1):
                 carried = len(shaft.bearing_positions_mm) - shaft.bearing_supports.count("ground")

@@ -15,9 +15,7 @@ ADDRESS = "https://json-schema.org/draft/2020-12/schema"
 
 def scene_schema() -> dict[str, Any]:
     """The JSON schema as a dict."""
-    made = Scene.model_json_schema()
-    found: dict[str, Any] = {"$schema": ADDRESS, **_partial(made)}
-    found["title"] = "gearcase scene"
+    found: dict[str, Any] = {"$schema": ADDRESS, **_partial(Scene.model_json_schema()), "title": "gearcase scene"}
     extends = {"type": "string", "description": "scene to start from: a shipped one or a path ending in .toml"}
     found["properties"] = {"extends": extends, **found["properties"]}
     return found

@@ -73,12 +73,11 @@ def without_shaft_faults(tree: Mapping[str, Any], scene: Scene) -> dict[str, Any
 
 
 def _force_fault(table: DerivedTable) -> ShaftFault:
-    values = table.model_dump(exclude={"model", "shaft"})
     return ShaftFault(
         kind=table.model,
         shaft=table.shaft - 1,
         place=f"of shaft {table.shaft} at y = {table.position_mm:g} mm",
-        severity=tuple(values.items()),
+        severity=tuple(table.model_dump(exclude={"model", "shaft"}).items()),
     )
 
 

@@ -101,7 +101,7 @@ def _beside_one_another(places: Sequence[ShaftAxis], couplings: Sequence[Couplin
 
 def _walked(waiting: list[_Step]) -> tuple[dict[int, ShaftAxis], list[Problem]]:
     """Places of the shafts in reach of the first, and loops that do not close."""
-    found, problems = {0: ShaftAxis(0.0, 0.0, 1, 1.0)}, []
+    found, problems = {0: ShaftAxis(0.0, 0.0, 1, 1.0)}, list[Problem]()
     while ready := next((step for step in waiting if step.first in found or step.second in found), None):
         waiting.remove(ready)
         step = ready if ready.first in found else ready.back()
@@ -128,28 +128,22 @@ def _coupling_steps(couplings: Sequence[CouplingTable]) -> Iterator[_Step]:
             yield _Step(f"couplings.{number}", one - 1, other - 1, ShaftAxis(0.0, 0.0, 1, 1.0))
 
 
-def _loop(step: _Step, place: ShaftAxis, known: ShaftAxis, shaft: int) -> list[Problem]:
+def _loop(step: _Step, place: ShaftAxis, known: ShaftAxis, shaft: int) -> Iterator[Problem]:
     """Why a loop of stages and couplings that ends with ``step`` does not close."""
     off = math.hypot(place.x - known.x, place.z - known.z)
-    problems = []
     if place.sense != known.sense or abs(place.speed / known.speed - 1) > 1e-9:
         turn = (
             "in the opposite sense" if place.sense != known.sense else f"{place.speed / known.speed:.9g} times as fast"
         )
-        problems.append(
-            Problem(
-                step.path,
-                f"closes a loop that locks: it would turn shaft {shaft + 1} {turn} compared with the rest of the loop",
-                "Correct the numbers of teeth so that both paths agree, or delete one part of the loop",
-            )
+        yield Problem(
+            step.path,
+            f"closes a loop that locks: it would turn shaft {shaft + 1} {turn} compared with the rest of the loop",
+            "Correct the numbers of teeth so that both paths agree, or delete one part of the loop",
         )
     if off > MEETING:
-        problems.append(
-            Problem(
-                step.path,
-                f"closes a loop whose ends do not meet: the axis of shaft {shaft + 1} is {off * 1000:.3f} mm away from "
-                f"its place by the rest of the loop (x {known.x * 1000:.3f}, z {known.z * 1000:.3f} mm)",
-                "Correct direction_deg or the profile shifts",
-            )
+        yield Problem(
+            step.path,
+            f"closes a loop whose ends do not meet: the axis of shaft {shaft + 1} is {off * 1000:.3f} mm away from "
+            f"its place by the rest of the loop (x {known.x * 1000:.3f}, z {known.z * 1000:.3f} mm)",
+            "Correct direction_deg or the profile shifts",
         )
-    return problems

@@ -7,7 +7,7 @@ of 64 bits, which is what TOML has.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from pipelines.io.errors import Problem
@@ -34,8 +34,7 @@ def over_limits(tree: Any, path: Path = ()) -> list[Problem]:
             found.append(Problem(".".join(place), f"is nested deeper than {DEEPEST} keys", "Delete the outer tables."))
         elif isinstance(value, Mapping):
             for key, below in value.items():
-                wrong = _wrong_key(str(key))
-                if wrong:
+                if wrong := _wrong_key(str(key)):
                     found.append(Problem(".".join((*place, str(key))), wrong, "Rename the key."))
                 else:
                     waiting.append(((*place, str(key)), below))
@@ -44,8 +43,8 @@ def over_limits(tree: Any, path: Path = ()) -> list[Problem]:
             found.append(Problem(".".join(place), message, "Delete some."))
         elif isinstance(value, list | tuple):
             waiting.extend(((*place, str(number)), item) for number, item in enumerate(value, 1))
-        else:
-            found.extend(_wrong_value(place, value))
+        elif wrong_value := _wrong_value(value):
+            found.append(Problem(".".join(place), *wrong_value))
     return found
 
 
@@ -55,17 +54,15 @@ def _wrong_key(key: str) -> str:
     return "a key must not have control characters" if _has_control(key) else ""
 
 
-def _wrong_value(place: Path, value: Any) -> Iterator[Problem]:
-    where = ".".join(place)
-    if isinstance(value, str):
-        if len(value) > _LONGEST_TEXT:
-            message = f"has {len(value)} characters, more than {_LONGEST_TEXT}"
-            yield Problem(where, message, "Shorten it.", shown_value(value, 60))
-        elif _has_control(value):
-            message = "must be one line without control characters"
-            yield Problem(where, message, "Write plain text.", shown_value(value, 60))
-    elif isinstance(value, int) and not -(2**63) <= value < 2**63:
-        yield Problem(where, "has more than 64 bits", "Reduce the number.")
+def _wrong_value(value: Any) -> tuple[str, ...]:
+    """Message, remedy and value of a text or number beyond a limit; empty for another value."""
+    if isinstance(value, str) and len(value) > _LONGEST_TEXT:
+        return f"has {len(value)} characters, more than {_LONGEST_TEXT}", "Shorten it.", shown_value(value, 60)
+    if isinstance(value, str) and _has_control(value):
+        return "must be one line without control characters", "Write plain text.", shown_value(value, 60)
+    if isinstance(value, int) and not -(2**63) <= value < 2**63:
+        return "has more than 64 bits", "Reduce the number."
+    return ()
 
 
 def _has_control(text: str) -> bool:

@@ -7,6 +7,7 @@ the descriptions of fields.
 from __future__ import annotations
 
 import functools
+import math
 import typing
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -246,7 +247,13 @@ _LIMITS = {
     "less_than_equal": ("at most", "le"),
     "multiple_of": ("a multiple of", "multiple_of"),
 }
-_USUAL = {  # by the unit of a key: other units, factors, and usual values
+_USUAL = {  # by key, or by the unit of a key: other units, factors, and usual values
+    "amount_um": ((("mm", 1e3),), 0.05, math.inf),
+    "length_mm": ((("m", 1e3),), 0.01, math.inf),
+    "depth_mm": ((("m", 1e3),), 5e-3, math.inf),
+    "in_plane_um": ((("mm", 1e3),), 0.05, math.inf),
+    "out_of_plane_um": ((("mm", 1e3),), 0.05, math.inf),
+    "helix_angle_deg": ((("rad", 180 / math.pi),), 0.5, math.inf),
     "GPa": ((("MPa", 1e-3), ("Pa", 1e-9)), 1.0, 2000.0),
     "mm": ((("m", 1e3),), 0.05, 10e3),
     "kg/m3": ((("g/cm3", 1e3), ("t/mm3", 1e12)), 500.0, 25e3),
@@ -270,7 +277,7 @@ _KINDS = {
 def other_unit(key: str, value: Any) -> str:
     """Remedy with the unit in which an unusual value of a key would be usual; "" if there is none."""
     unit = unit_of(key)
-    others, low, high = _USUAL.get(unit, ((), 0.0, 0.0))
+    others, low, high = _USUAL.get(key) or _USUAL.get(unit, ((), 0.0, 0.0))
     for other, factor in others:
         if isinstance(value, int | float) and not low <= value <= high and low <= value * factor <= high:
             return f"Convert it if it is in {other}: {value:g} {other} = {value * factor:g} {unit}."

@@ -38,24 +38,19 @@ class LabelledSignal:
 
     @property
     def dtype(self) -> np.dtype:
-        """Data type in the file."""
-        return stored_type(self.units)
+        """Data type in the file: float32 for accelerations, forces and torques, float64 for all other signals.
+
+        A float32 is rounded by at most 2^-24 (6e-8) of its value. For accelerations up to 160 m/s2 that is a thousandth
+        of a sensor noise of 0.01 m/s2. Angles, speeds and positions need float64, since users subtract and
+        differentiate them: they are large values with a small vibration.
+        """
+        return np.dtype("<f4" if self.units in ROUNDED else "<f8")
 
     @property
     def attributes(self) -> dict[str, str]:
         """Units, description, and the rounding if it is stored as float32."""
         rounding = {"storage": ROUNDING} if self.units in ROUNDED else {}
         return {"units": self.units, "long_name": self.text, **rounding}
-
-
-def stored_type(units: str) -> np.dtype:
-    """Data type in the file: float32 for accelerations, forces and torques, float64 for all other signals.
-
-    A float32 is rounded by at most 2^-24 (6e-8) of its value. For accelerations up to 160 m/s2 that is a thousandth of
-    a sensor noise of 0.01 m/s2. Angles, speeds and positions need float64, since users subtract and differentiate them:
-    they are large values with a small vibration.
-    """
-    return np.dtype("<f4" if units in ROUNDED else "<f8")
 
 
 def signals(motion: Trajectory) -> Iterator[LabelledSignal]:

@@ -38,7 +38,7 @@ def labelled_spectrum(signal: xarray.DataArray) -> xarray.DataArray:
         )
     over_time = signal.transpose("time", ...)
     columns = np.asarray(over_time.values, float).reshape(time.size, -1)
-    values = amplitudes(columns, "hann").reshape(-1, *over_time.shape[1:])
+    values = amplitudes(columns).reshape(-1, *over_time.shape[1:])
     others = {name: value for name, value in over_time.coords.items() if "time" not in value.dims}
     frequency = np.arange(len(values)) / (steps.mean() * time.size)
     words = {"units": signal.attrs.get("units", ""), "long_name": f"amplitude of {signal.name or 'the signal'}"}

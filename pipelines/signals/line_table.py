@@ -63,21 +63,17 @@ class LineTable(Record):
         keep = [i for i in range(len(self)) if all(getattr(self, name)[i] == value for name, value in equal.items())]
         return self.at(keep)
 
-    def without_mesh(self) -> Self:
-        """The rows that count as evidence of a gear's fault: envelope harmonics and sidebands."""
-        return self.of("envelope", "sideband")
-
     def of(self, *kinds: str) -> Self:
         """The rows of the given kinds."""
         return self.at([i for i, kind in enumerate(self.kind) if kind in kinds])
 
     def at(self, keep: Sequence[int]) -> Self:
         """The rows of these numbers."""
-        columns: dict[str, Any] = {}
-        for field in dataclasses.fields(self):
-            column = getattr(self, field.name)
-            columns[field.name] = tuple(column[i] for i in keep) if isinstance(column, tuple) else column[list(keep)]
-        return type(self)(**columns)
+        rows = np.array(keep, dtype=int)
+        return self.replaced(**{name: np.asarray(column)[rows] for name, column in self._columns().items()})
+
+    def _columns(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
 
     def units(self) -> dict[str, str]:
         """Unit of every column, "" for text."""
@@ -85,11 +81,8 @@ class LineTable(Record):
 
     def to_dicts(self) -> list[dict[str, Any]]:
         """One dict per row with plain Python values, for JSON."""
-        columns = {
-            field.name: value if isinstance(value := getattr(self, field.name), tuple) else value.tolist()
-            for field in dataclasses.fields(self)
-        }
-        return [{name: column[i] for name, column in columns.items()} for i in range(len(self))]
+        columns = {name: np.asarray(column).tolist() for name, column in self._columns().items()}
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
     def write_csv(self, path: Path | str) -> Path:
         """Write all rows; the header names each column with its unit."""
@@ -104,10 +97,8 @@ class LineTable(Record):
 def joined(tables: Iterable[LineTable]) -> LineTable:
     """All rows of several tables, in their order."""
     tables = tuple(tables)
-    columns: dict[str, Any] = {}
-    for field in dataclasses.fields(LineTable):
-        parts = [getattr(table, field.name) for table in tables]
-        columns[field.name] = sum(parts, ()) if isinstance(parts[0], tuple) else np.concatenate(parts)
+    fields = [field.name for field in dataclasses.fields(LineTable)]
+    columns: dict[str, Any] = {name: np.concatenate([getattr(one, name) for one in tables]) for name in fields}
     return LineTable(**columns)
 
 

@@ -37,7 +37,8 @@ def at_measured_speed(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset
         raise DiagnosisError(
             f"{settings.shaft} does not turn in the windows of the diagnosis. Set windows in which it turns."
         )
-    limit = QUARTER_PERIOD / settings.highest_order
+    highest = settings.highest_line / settings.revolution_frequency
+    limit = QUARTER_PERIOD / highest
     for window, time, angle, own in pieces:
         deviation = angle - speed * time
         most = float(np.ptp(deviation)) / 2
@@ -46,10 +47,22 @@ def at_measured_speed(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset
                 f"window {window!r}: {settings.shaft} turns at {own / (2 * math.pi):.5g} Hz in the mean "
                 f"and its angle deviates by up to {most:.3g} rad from an even rotation at {speed / (2 * math.pi):.5g} "
                 "Hz, the mean of all windows and both runs. The highest line, of the order "
-                f"{settings.highest_order:.4g}, allows {limit:.3g} rad. "
+                f"{highest:.4g}, allows {limit:.3g} rad. "
                 "Choose a later or shorter window, in which the speed has settled."
             )
-    return _scaled(settings, speed / (2 * math.pi) / settings.revolution_frequency)
+    factor = speed / (2 * math.pi) / settings.revolution_frequency
+    return replace(
+        settings,
+        speed_is_known=True,
+        revolution_frequency=factor * settings.revolution_frequency,
+        mesh_frequency=factor * settings.mesh_frequency,
+        bearings={name: factor * value for name, value in settings.bearings.items()},
+        passes=tuple(
+            replace(lines, frequency=factor * lines.frequency, spacing=factor * lines.spacing)
+            for lines in settings.passes
+        ),
+        turning=tuple(replace(lines, frequency=factor * lines.frequency) for lines in settings.turning),
+    )
 
 
 def _pieces(
@@ -69,18 +82,3 @@ def _pieces(
                 raise DiagnosisError(f"window {name!r}: fewer than two samples. Choose a window inside the record.")
             speed = float(np.polyfit(time - time.mean(), turned, 1)[0])
             yield name, time, turned if speed >= 0.0 else -turned, abs(speed)
-
-
-def _scaled(settings: DiagnosisSettings, factor: float) -> DiagnosisSettings:
-    return replace(
-        settings,
-        speed_is_known=True,
-        revolution_frequency=factor * settings.revolution_frequency,
-        mesh_frequency=factor * settings.mesh_frequency,
-        bearings={name: factor * value for name, value in settings.bearings.items()},
-        passes=tuple(
-            replace(lines, frequency=factor * lines.frequency, spacing=factor * lines.spacing)
-            for lines in settings.passes
-        ),
-        turning=tuple(replace(lines, frequency=factor * lines.frequency) for lines in settings.turning),
-    )

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 _LOG = logging.getLogger(__name__)
 KINDS = ("step", "repeat", "energy")
 LARGEST_STEP_ERROR = 0.05
-STARTS = "gearcase starts SCENE"
 ATTRIBUTE = "warnings"  # of a response
 MOSTLY_OPEN = 0.5  # of the time; a pair that is out of contact for longer rattles freely in its backlash
 
@@ -32,7 +31,8 @@ def motion_warnings(trajectory: Trajectory) -> dict[str, str]:
             f"The motion is chaotic and cannot be repeated sample by sample: an initial difference of a millionth "
             f"reaches the size of the signal at {trajectory.diverged_at:.3g} s (it doubles every "
             f"{math.log(2.0) / trajectory.parting_rate * 1000:.2g} ms). A smaller time step does not help. Use levels, "
-            f'spectra and lines, not the waveform; "{STARTS}" estimates their spread over several initial states.'
+            'spectra and lines, not the waveform; "gearcase starts SCENE" estimates their spread over several initial '
+            "states."
         )
     for text in trajectory.unbalanced():
         found["energy"] = (
@@ -111,8 +111,5 @@ def gathered(warnings: Iterable[Mapping[str, str]], kinds: Container[str] = KIND
     first = {kind: next(one[kind] for one in every if kind in one) for kind in counts}
     if len(every) == 1:
         return tuple(first.values())
-    return tuple(f"{text} ({_many(counts[kind], len(every))})" for kind, text in first.items())
-
-
-def _many(count: int, total: int) -> str:
-    return f"all {total} motions" if count == total else f"{count} of {total} motions"
+    many = {kind: "all" if count == len(every) else f"{count} of" for kind, count in counts.items()}
+    return tuple(f"{text} ({many[kind]} {len(every)} motions)" for kind, text in first.items())

@@ -7,22 +7,23 @@ motion and from the file are therefore equal to the last digit.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 import xarray
-from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from mbd.output.trajectory import Trajectory
 from pipelines.signals.labelled_signals import LabelledSignal, coordinates, facts, read, signals
+from pipelines.signals.lazy_array import LazyArray, Place
 
 
 def make_response(motion: Trajectory, labels: Mapping[str, Any]) -> xarray.Dataset:
     """The dataset: named dimensions, units on every variable, `labels` and facts as attributes."""
     data = {
         signal.name: xarray.Variable(
-            ("time", *signal.dims), indexing.LazilyIndexedArray(_View(motion, signal)), signal.attributes
+            ("time", *signal.dims), indexing.LazilyIndexedArray(_array(motion, signal)), signal.attributes
         )
         for signal in signals(motion)
     }
@@ -30,15 +31,10 @@ def make_response(motion: Trajectory, labels: Mapping[str, Any]) -> xarray.Datas
     return xarray.Dataset(data, coords=time | coordinates(motion), attrs={**labels, **facts(motion)})
 
 
-class _View(BackendArray):
-    """A signal as an array (time, ...) that is read when it is used."""
+def _array(motion: Trajectory, signal: LabelledSignal) -> LazyArray:
+    shape = (motion.values.shape[1], *signal.rows.shape)
+    return LazyArray(shape, signal.dtype, partial(_part, motion, signal))
 
-    def __init__(self, motion: Trajectory, signal: LabelledSignal) -> None:
-        self._motion, self._signal = motion, signal
-        self.shape, self.dtype = (motion.values.shape[1], *signal.rows.shape), signal.dtype
 
-    def __getitem__(self, key: indexing.ExplicitIndexer) -> np.ndarray:
-        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self._read)
-
-    def _read(self, key: tuple[int | slice, ...]) -> np.ndarray:
-        return read(self._motion, self._signal, key[0], key[1:])
+def _part(motion: Trajectory, signal: LabelledSignal, place: Place) -> np.ndarray:
+    return read(motion, signal, place[0], place[1:])

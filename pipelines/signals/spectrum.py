@@ -1,10 +1,10 @@
 """Amplitude and envelope spectra over whole revolutions, line amplitudes and the local floor.
 
-In a segment of n revolutions of the monitored shaft, the line k f_r is on the bin k n and does not leak, with any
-window. Amplitudes are one-sided peak amplitudes, A = 2 |sum w x exp(-i 2 pi f t)| / sum w: for a tone A cos(2 pi f t)
-on a bin the result is A with any window. The Hann window is the default. It widens a line by one bin on each side,
-which does not reach the neighbouring orders. It reduces the leakage of components that do not repeat with the shaft
-(rope mode, decaying resonances) into the bins between the orders, where the floor is measured.
+In a segment of n revolutions of the monitored shaft, the line k f_r is on the bin k n and does not leak. Amplitudes are
+one-sided peak amplitudes with a Hann window, A = 2 |sum w x exp(-i 2 pi f t)| / sum w: for a tone A cos(2 pi f t) on a
+bin the result is A. The window widens a line by one bin on each side, which does not reach the neighbouring orders. It
+reduces the leakage of components that do not repeat with the shaft (rope mode, decaying resonances) into the bins
+between the orders, where the floor is measured.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fem.numerics.sinc_interpolation import HALF_WIDTH, interpolated
-from fem.storage.records import Record, array, integer, scalar, text
+from fem.storage.records import Record, array, integer, scalar
 
-WINDOWS = ("hann", "boxcar")
 LINE_HALF_WIDTH = (
     2  # bins on either side of an order that belong to the line (zero of the Hann window), not to the floor
 )
@@ -27,7 +27,7 @@ SAMPLE_TOLERANCE = 1e-3  # samples; a segment this close to a whole number of sa
 
 
 class SpectrumError(ValueError):
-    """The window, the band or the requested frequencies do not fit the signal."""
+    """The window in time, the band or the requested frequencies do not fit the signal."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,8 +55,6 @@ class Spectrum(Record):
     """One-sided peak amplitudes at equidistant frequencies from 0 Hz."""
 
     plotted = ("frequency", "amplitude")
-    kind: str = text()  # "spectrum" | "envelope"
-    window: str = text()
     revolutions: int = integer()  # revolutions of the monitored shaft in the segment: bins per order
     frequency: np.ndarray = array("bin", units="Hz")
     amplitude: np.ndarray = array("bin", units="m s-2")
@@ -68,31 +66,24 @@ class Spectrum(Record):
         """Distance of two bins in Hz."""
         return float(self.frequency[1])
 
-    def lines(self, frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
-        """Amplitudes at frequencies (Hz) that fall on bins.
+    def lines(self, frequencies: ArrayLike, reach: ArrayLike = 0.0) -> np.ndarray:
+        """Largest amplitude (line,) within `reach` (Hz, of all lines or of each) of each frequency (Hz).
+
+        The nearest bin is always included. Without reach it is the only one.
 
         Raises
         ------
-        SpectrumError : a frequency deviates from the nearest bin by more than 2 % of a bin, or is beyond the last one
+        SpectrumError : a frequency is beyond the last bin
         """
-        position = np.asarray(frequencies, dtype=float) / self.resolution
-        index = np.rint(position).astype(int)
-        off = np.abs(position - index)
-        if np.any(off > 0.02) or np.any(index < 0) or np.any(index >= self.amplitude.size):
-            worst = int(np.argmax(np.where((index < 0) | (index >= self.amplitude.size), np.inf, off)))
-            raise SpectrumError(
-                f"line {position[worst] * self.resolution:.4f} Hz: not on a bin of {self.resolution:.6f} Hz "
-                f"(position {position[worst]:.3f} of {self.amplitude.size - 1}). "
-                "Cut the segment to whole revolutions of the shaft of this line."
-            )
-        return self.amplitude[index]
-
-    def peaks(self, frequencies: Sequence[float], reach: Sequence[float]) -> np.ndarray:
-        """Largest amplitude (line,) within ``reach`` (Hz) of each frequency (Hz), including the nearest bin."""
         found = []
-        for frequency, width in zip(frequencies, reach, strict=True):
+        for frequency, width in np.broadcast(frequencies, reach):
             low, high = (frequency - width) / self.resolution, (frequency + width) / self.resolution
             nearest = round(frequency / self.resolution)
+            if nearest >= self.amplitude.size:
+                raise SpectrumError(
+                    f"line {frequency:.4f} Hz: beyond the last bin of the spectrum, {self.frequency[-1]:.4f} Hz. "
+                    "Increase the sampling rate."
+                )
             found.append(self.amplitude[min(math.ceil(low), nearest) : max(math.floor(high), nearest) + 1].max())
         return np.array(found)
 
@@ -105,21 +96,17 @@ class Spectrum(Record):
         ------
         SpectrumError : the segment has fewer than FEWEST_REVOLUTIONS revolutions
         """
-        bins_per_order = self.revolutions
-        if bins_per_order < FEWEST_REVOLUTIONS:
+        if self.revolutions < FEWEST_REVOLUTIONS:
             raise SpectrumError(
-                f"local floor: {bins_per_order} revolutions leave no bins between the orders, "
+                f"local floor: {self.revolutions} revolutions leave no bins between the orders, "
                 f"at least {FEWEST_REVOLUTIONS} are needed. Use a longer window."
             )
-        centres = np.rint(np.asarray(frequencies, dtype=float) / self.resolution).astype(int)
         bins = np.arange(self.amplitude.size)
-        distance = np.abs(bins - np.rint(bins / bins_per_order) * bins_per_order)
-        between = distance > LINE_HALF_WIDTH
-        floors = np.empty(centres.size)
-        for i, centre in enumerate(centres):
-            near = between & (np.abs(bins - centre) <= bins_per_order)
-            floors[i] = np.median(self.amplitude[near])
-        return floors
+        distance = np.abs(bins - np.rint(bins / self.revolutions) * self.revolutions)
+        between = bins[distance > LINE_HALF_WIDTH]
+        centres = np.rint(np.asarray(frequencies, dtype=float) / self.resolution)
+        near = (between[np.abs(between - centre) <= self.revolutions] for centre in centres)
+        return np.array([np.median(self.amplitude[own]) for own in near])
 
 
 def whole_revolutions(times: tuple[float, float], rate: float, revolution_frequency: float) -> Segment:
@@ -173,33 +160,26 @@ def cut(signal: np.ndarray, rate: float, segment: Segment) -> np.ndarray:
     SpectrumError : the segment reaches beyond the record
     """
     signal = np.asarray(signal, dtype=float)
-    if not segment.resampled:
-        first = round(segment.start * rate)
-        if first < 0 or first + segment.samples > signal.shape[0]:
-            raise SpectrumError(
-                f"segment from {segment.start:g} s, {segment.samples} samples: beyond the record of "
-                f"{signal.shape[0]} samples. Choose a window inside the record."
-            )
-        return signal[first : first + segment.samples]
     position = (segment.start + np.arange(segment.samples) / segment.rate) * rate
     if position[0] < -1e-6 or position[-1] > signal.shape[0] - 1 + 1e-6:
         raise SpectrumError(
             f"segment from {segment.start:g} s, {segment.duration:g} s long: beyond the record of "
             f"{signal.shape[0] / rate:g} s. Choose a window inside the record."
         )
+    if not segment.resampled:
+        return signal[round(position[0]) : round(position[-1]) + 1]
     return np.moveaxis(interpolated(np.moveaxis(signal, 0, -1), position), -1, 0)
 
 
-def amplitude_spectrum(signal: np.ndarray, segment: Segment, window: str = "hann") -> Spectrum:
+def amplitude_spectrum(signal: np.ndarray, segment: Segment) -> Spectrum:
     """Spectrum of a cut segment; of several axes the root sum square, independent of the orientation of the sensor.
 
     Parameters
     ----------
     signal : float (segment.samples,) or (segment.samples, axes), m/s2
     """
-    signal = _columns(signal, segment)
-    amplitude = np.sqrt(np.sum(amplitudes(signal, window) ** 2, axis=1))
-    return _spectrum("spectrum", amplitude, segment, window, (0.0, segment.rate / 2))
+    amplitude = np.sqrt(np.sum(amplitudes(signal.reshape(len(signal), -1)) ** 2, axis=1))
+    return _spectrum(amplitude, segment, (0.0, segment.rate / 2))
 
 
 def envelope(signal: np.ndarray, segment: Segment, band: tuple[float, float]) -> np.ndarray:
@@ -214,7 +194,6 @@ def envelope(signal: np.ndarray, segment: Segment, band: tuple[float, float]) ->
     McFadden (1986), Detecting fatigue cracks in gears by amplitude and phase demodulation of the meshing vibration,
     J. Vib. Acoust. 108(2), 165-170.
     """
-    signal = _columns(signal, segment)
     low, high = band
     if not 0 <= low < high <= segment.rate / 2:
         raise SpectrumError(
@@ -223,14 +202,12 @@ def envelope(signal: np.ndarray, segment: Segment, band: tuple[float, float]) ->
         )
     frequency = np.fft.fftfreq(segment.samples, 1 / segment.rate)
     inside = (frequency >= low) & (frequency <= high) & (frequency > 0)
-    lines = np.fft.fft(signal, axis=0) * (2.0 * inside[:, None])
+    lines = np.fft.fft(signal.reshape(len(signal), -1), axis=0) * (2.0 * inside[:, None])
     analytic = np.fft.ifft(lines, axis=0)
     return np.sqrt(np.sum(np.abs(analytic) ** 2, axis=1))
 
 
-def envelope_spectrum(
-    signal: np.ndarray, segment: Segment, band: tuple[float, float], window: str = "hann"
-) -> Spectrum:
+def envelope_spectrum(signal: np.ndarray, segment: Segment, band: tuple[float, float]) -> Spectrum:
     """Amplitude spectrum of the envelope less its mean; the envelope A (1 + m cos(2 pi f t)) has the line A m at f.
 
     Parameters
@@ -238,42 +215,30 @@ def envelope_spectrum(
     signal : float (segment.samples,) or (segment.samples, axes), m/s2
     segment : segment that the signal was cut to
     band : of the envelope, Hz
-    window : one of WINDOWS
 
     Raises
     ------
-    SpectrumError : a band outside 0 to half the rate, a length other than the segment's, or an unknown window
+    SpectrumError : a band outside 0 to half the rate
     """
     length = envelope(signal, segment, band)
-    amplitude = amplitudes((length - length.mean())[:, None], window)[:, 0]
-    return _spectrum("envelope", amplitude, segment, window, band)
+    return _spectrum(amplitudes((length - length.mean())[:, None])[:, 0], segment, band)
 
 
 def with_noise(signal: np.ndarray, rms: float, seed: Sequence[int]) -> np.ndarray:
     """The signal plus white Gaussian sensor noise of the given rms (m/s2) and seed."""
-    if rms < 0:
-        raise SpectrumError(f"sensor noise {rms:g} m/s2: must be 0 or positive")
     signal = np.asarray(signal, dtype=float)
     return signal + rms * np.random.default_rng(list(seed)).standard_normal(signal.shape)
 
 
-def _columns(signal: np.ndarray, segment: Segment) -> np.ndarray:
-    signal = np.asarray(signal, dtype=float)
-    signal = signal[:, None] if signal.ndim == 1 else signal
-    if signal.shape[0] != segment.samples:
-        raise SpectrumError(f"signal of {signal.shape[0]} samples, the segment has {segment.samples}: cut it first")
-    return signal
-
-
-def amplitudes(signal: np.ndarray, window: str) -> np.ndarray:
+def amplitudes(signal: np.ndarray) -> np.ndarray:
     """One-sided peak amplitudes (bins, axes) of a signal (samples, axes), in its unit."""
-    return np.abs(complex_amplitudes(signal, window))
+    return np.abs(complex_amplitudes(signal))
 
 
-def complex_amplitudes(signal: np.ndarray, window: str) -> np.ndarray:
+def complex_amplitudes(signal: np.ndarray) -> np.ndarray:
     """The `amplitudes` with their phases: a tone Re(A exp(2 pi i f t)) on a bin has the amplitude A."""
     samples = signal.shape[0]
-    weight = _weights(samples, window)
+    weight = _weights(samples)
     amplitude = 2 * np.fft.rfft(signal * weight[:, None], axis=0) / weight.sum()
     amplitude[0] /= 2
     if samples % 2 == 0:
@@ -281,30 +246,25 @@ def complex_amplitudes(signal: np.ndarray, window: str) -> np.ndarray:
     return amplitude
 
 
-def bin_kernel(samples: int, bins: Sequence[int], window: str) -> np.ndarray:
+def bin_kernel(samples: int, bins: Sequence[int]) -> np.ndarray:
     """Matrix (samples, bin): signal @ matrix are the `complex_amplitudes` at the given bins.
 
     The first and the last bin of the spectrum are not allowed, as they are not doubled.
     """
-    weight = _weights(samples, window)
+    weight = _weights(samples)
     phase = -2j * np.pi / samples * (np.outer(np.arange(samples), bins) % samples)
     kernel: np.ndarray = (2.0 / weight.sum()) * weight[:, None] * np.exp(phase)
     return kernel
 
 
-def _weights(samples: int, window: str) -> np.ndarray:
-    if window == "hann":
-        return 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(samples) / samples)
-    if window == "boxcar":
-        return np.ones(samples)
-    raise SpectrumError(f"window {window!r}: known are {', '.join(WINDOWS)}")
+def _weights(samples: int) -> np.ndarray:
+    """Hann window, periodic."""
+    return 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(samples) / samples)
 
 
-def _spectrum(kind: str, amplitude: np.ndarray, segment: Segment, window: str, band: tuple[float, float]) -> Spectrum:
+def _spectrum(amplitude: np.ndarray, segment: Segment, band: tuple[float, float]) -> Spectrum:
     frequency = np.arange(amplitude.size) * segment.rate / segment.samples
     return Spectrum(
-        kind=kind,
-        window=window,
         revolutions=segment.revolutions,
         frequency=frequency,
         amplitude=amplitude,

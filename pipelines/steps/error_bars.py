@@ -73,15 +73,12 @@ def machine_bars(
     laws, body, modes, coarser : as in `build`
     """
     from mbd.parts.part_checks import EquilibriumError, MachineError
-    from pipelines.diagnosis.uncertainty.sampled_bars import BarsError, line_bars
-    from pipelines.diagnosis.uncertainty.uncertain import uncertain
+    from pipelines.diagnosis.uncertainty.sampled_bars import BarsError, casing_errors, line_bars
     from pipelines.machine.system_assembly import assemble_machine, assemble_system
 
-    unknown = uncertain(
-        machine.casing, None if modes is None else modes[0], list(coarser), machine.monitored.damping_spread
-    )
+    errors = casing_errors(None if modes is None else modes[0], coarser)
     try:
         system = assemble_system(assemble_machine(machine.parts, laws), body, machine.recorded, machine.motion.band)
-        return line_bars(run, diagnosis, system, unknown)
+        return line_bars(run, diagnosis, system, errors, machine.monitored.damping_spread, machine.casing.remedy)
     except (BarsError, MachineError, EquilibriumError) as error:
         return f"No error bars. {error}"

@@ -30,7 +30,6 @@ from pipelines.steps.verdict import known_damages
 if TYPE_CHECKING:
     import xarray
 
-    from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.reduced_body import ReducedBody
     from mbd.output.trajectory import Trajectory
     from pipelines.diagnosis.control_diagnosis import Diagnosis
@@ -94,7 +93,7 @@ def sections(
     curves: Mapping[str, Any],
     body: ReducedBody,
     casing: str | LeftOut | None = None,
-    modes: CasingSummary | None = None,
+    modes: tuple[Any, ...] | None = None,
     diagnosis: Mapping[str, Any] | None = None,
     error_bars: LineBars | str = "",
 ) -> dict[str, Any] | Unkept:
@@ -106,7 +105,7 @@ def sections(
     warnings : on the scene
     motions : those of the labels
     curves, casing : elements of the page, see `pipelines.steps.pictures`
-    body, modes : the reduced casing, and the summary of its modes
+    body, modes : the reduced casing, and the result of the step `casing modes`: `CasingModes`, `CheckUp`, and more
     diagnosis, error_bars : results of the steps `diagnose` and `error bars`
     """
     from pipelines.report.figures.views import LeftOut
@@ -211,35 +210,31 @@ def gear_rows(machine: MachineModel) -> list[dict[str, Any]]:
     """Rows of the gear table, two for each stage."""
     from fem.gears.sector_mesh import root_chord
 
-    rows = []
     stages = zip(machine.layout.pairs, machine.facts.stages, machine.layout.modifications, strict=True)
-    for number, (pair, stage, modified) in enumerate(stages, 1):
-        for name, gear in (("pinion", pair.pinion), ("wheel", pair.wheel)):
-            rows.append(
-                {
-                    "stage": number,
-                    "gear": name,
-                    "teeth z": gear.teeth,
-                    "normal module m_n mm": gear.normal_module * 1000,
-                    "helix angle deg": math.degrees(gear.helix_angle),
-                    "face width b mm": gear.face_width * 1000,
-                    "profile shift x": gear.profile_shift,
-                    "reference diameter d mm": gear.reference_radius * 2000,
-                    "tip diameter d_a mm": gear.tip_radius * 2000,
-                    "tooth root thickness mm": root_chord(gear)[1] * 1000,
-                    "bore diameter mm": gear.bore_radius * 2000,
-                    "transverse contact ratio": stage.transverse_contact_ratio,
-                    "overlap ratio": stage.overlap_ratio,
-                    "mesh frequency f_m Hz": stage.mesh_frequency,
-                    "revolution frequency f_r Hz": stage.pinion_frequency
-                    if name == "pinion"
-                    else stage.wheel_frequency,
-                    "force on the line of action N": stage.mesh_force,
-                    "line load F_t/b N/mm": stage.line_load / 1000,
-                    "flank modifications": _modification_words(getattr(modified, name), machine.layout, number),
-                }
-            )
-    return rows
+    return [
+        {
+            "stage": number,
+            "gear": name,
+            "teeth z": gear.teeth,
+            "normal module m_n mm": gear.normal_module * 1000,
+            "helix angle deg": math.degrees(gear.helix_angle),
+            "face width b mm": gear.face_width * 1000,
+            "profile shift x": gear.profile_shift,
+            "reference diameter d mm": gear.reference_radius * 2000,
+            "tip diameter d_a mm": gear.tip_radius * 2000,
+            "tooth root thickness mm": root_chord(gear)[1] * 1000,
+            "bore diameter mm": gear.bore_radius * 2000,
+            "transverse contact ratio": stage.transverse_contact_ratio,
+            "overlap ratio": stage.overlap_ratio,
+            "mesh frequency f_m Hz": stage.mesh_frequency,
+            "revolution frequency f_r Hz": stage.pinion_frequency if name == "pinion" else stage.wheel_frequency,
+            "force on the line of action N": stage.mesh_force,
+            "line load F_t/b N/mm": stage.line_load / 1000,
+            "flank modifications": _modification_words(getattr(modified, name), machine.layout, number),
+        }
+        for number, (pair, stage, modified) in enumerate(stages, 1)
+        for name, gear in (("pinion", pair.pinion), ("wheel", pair.wheel))
+    ]
 
 
 def _modification_words(own: FlankModifications, layout: TrainLayout, stage: int) -> str:
@@ -258,71 +253,47 @@ def _modification_words(own: FlankModifications, layout: TrainLayout, stage: int
 
 def rolling_rows(machine: MachineModel) -> list[dict[str, Any]]:
     """Rows of the rolling bearings with their pass frequencies and faults."""
-    rows = []
-    for bearing in machine.rolling:
-        row: dict[str, Any] = {"bearing": bearing.name, "shaft": bearing.shaft + 1, "elements": bearing.elements.count}
-        row |= {f"{name} Hz": value for name, value in pass_rates(machine.layout, bearing).items()}
-        row["spalls"] = ", ".join(f.spall.place for f in machine.spalls if f.bearing == bearing.name) or "none"
-        rows.append(row)
-    return rows
+    return [
+        {
+            "bearing": bearing.name,
+            "shaft": bearing.shaft + 1,
+            "elements": bearing.elements.count,
+            **{f"{name} Hz": value for name, value in pass_rates(machine.layout, bearing).items()},
+            "spalls": ", ".join(f.spall.place for f in machine.spalls if f.bearing == bearing.name) or "none",
+        }
+        for bearing in machine.rolling
+    ]
 
 
 def shaft_rows(machine: MachineModel) -> list[dict[str, Any]]:
     """Rows of the faults of shafts with their orders."""
-    rows = []
-    for fault in machine.shaft_faults:
-        lines = shaft_lines(machine.layout, fault).monitored()
-        rows.append({"fault": fault.name, "shaft": fault.shaft + 1} | {f"{k}x Hz": f for _, k, f in lines})
-    return rows
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class CasingSummary:
-    """Summary of the modes of a casing for the page."""
-
-    unknowns: int
-    solver: str
-    band_limit: float  # Hz, of the fixed-interface modes; 0: none
-    checkup: CheckUp
-
-
-def casing_summary(result: tuple[Any, ...]) -> CasingSummary:
-    """Summary of the result of the step `casing modes`, without its large fields.
-
-    Parameters
-    ----------
-    result : `CasingModes` and `CheckUp`, and the quadratic modes if the frequencies are extrapolated
-    """
-    modes, checkup, *_ = result
-    return CasingSummary(unknowns=modes.unknowns, solver=modes.solver, band_limit=modes.band_limit, checkup=checkup)
-
-
-def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[str, Any]]:
-    rows: list[dict[str, Any]] = [
-        {"property": "model", "value": body.model},
-        {"property": "coordinates", "value": len(body.coordinate_names)},
+    return [
+        {
+            "fault": fault.name,
+            "shaft": fault.shaft + 1,
+            **{f"{k}x Hz": f for _, k, f in shaft_lines(machine.layout, fault).monitored()},
+        }
+        for fault in machine.shaft_faults
     ]
-    if modes is not None:
-        check = modes.checkup
-        factor = f"{body.stiffness_factor:.4f}"
-        extrapolated = [{"property": "factor on the casing stiffness that corrects the element size", "value": factor}]
-        first = check.frequencies[:6] * math.sqrt(body.stiffness_factor)
-        rows += [
-            {"property": "unknowns of the finite-element mesh", "value": modes.unknowns},
-            {"property": "solver", "value": modes.solver},
-            {
-                "property": "casing.band_Hz, above which modes are missing",
-                "value": f"{modes.band_limit / MODES_OVER_BAND:g}" if modes.band_limit else "static, without modes",
-            },
-            {"property": "mass, kg", "value": check.mass},
-            {
-                "property": "first natural frequencies on its feet, Hz",
-                "value": ", ".join(f"{f:.1f}" for f in first),
-            },
-            *(extrapolated if body.stiffness_factor != 1.0 else []),
-            {"property": "checks of the reduced model", "value": f"all {len(check.limit_names)} passed"},
-        ]
-    return rows
+
+
+def _casing_rows(body: ReducedBody, result: tuple[Any, ...] | None) -> list[dict[str, Any]]:
+    rows: dict[str, Any] = {"model": body.model, "coordinates": len(body.coordinate_names)}
+    if result is not None:
+        modes, check, *_ = result
+        factor, band = body.stiffness_factor, modes.band_limit / MODES_OVER_BAND
+        first = check.frequencies[:6] * math.sqrt(factor)
+        rows |= {
+            "unknowns of the finite-element mesh": modes.unknowns,
+            "solver": modes.solver,
+            "casing.band_Hz, above which modes are missing": f"{band:g}" if band else "static, without modes",
+            "mass, kg": check.mass,
+            "first natural frequencies on its feet, Hz": ", ".join(f"{f:.1f}" for f in first),
+            "checks of the reduced model": f"all {len(check.item_names)} passed",
+        }
+        if factor != 1.0:
+            rows["factor on the casing stiffness that corrects the element size"] = f"{factor:.4f}"
+    return [{"property": name, "value": value} for name, value in rows.items()]
 
 
 def energy_rows(run: xarray.Dataset) -> list[dict[str, Any]]:

@@ -141,7 +141,6 @@ def _report_steps(loaded: LoadedScene, plan: RunPlan, known: dict[str, Step]) ->
             "body": "casing",
             **{key: name for key, name in optional.items() if name in known},
         },
-        reads={"modes": reporting.casing_summary},
         libraries=("numpy", "matplotlib"),
         seconds=1.2,
     )

@@ -152,16 +152,12 @@ def _variants(scene: Scene, both_loads: bool, seeds: int) -> list[tuple[str, Sce
     loads = [("", scene)]
     if both_loads and _on_rope(scene.load):
         loads.append(("torque ", scene.model_copy(update={"load": _as_torque(scene.load)})))
-    out = list(loads)
+    out, given = list(loads), scene.deviations
+    own = given.seed if given.enabled else 0
     for name, loaded in loads:
-        for seed in range(seeds + 1 if seeds else 0):
-            if seed == scene.deviations.seed and scene.deviations.enabled:
-                continue  # the scene itself
-            if seed == 0 and not scene.deviations.enabled:
-                continue
-            enabled = {"enabled": seed > 0, "seed": seed if seed else scene.deviations.seed}
+        for seed in (seed for seed in range(seeds + 1 if seeds else 0) if seed != own):  # 0: error-free
+            changed = given.model_copy(update={"enabled": seed > 0, "seed": seed or given.seed})
             label = f"{name}seed {seed} " if seed else f"{name}error-free "
-            changed = scene.deviations.model_copy(update=enabled)
             out.append((label, loaded.model_copy(update={"deviations": changed})))
     return out
 

@@ -1,6 +1,6 @@
-"""Steps `compliance`, `stress` and `root stress`: 3-D contact, stress at one position, and of the roots by unit forces.
+"""Steps `compliance` and `stress`: 3-D contact, and the stress at one position.
 
-All use the model `solid`, whatever the model of the mesh law. Missing teeth, modifications, wear and chips change the
+Both use the model `solid`, whatever the model of the mesh law. Missing teeth, modifications, wear and chips change the
 contact. A crack does not, because the finite elements are those of undamaged teeth.
 """
 
@@ -9,27 +9,20 @@ from __future__ import annotations
 import numpy as np
 
 from fem.contact.law import MeshLaw
-from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.solid import Solid
-from fem.contact.models.solid_stress import LoadedTeeth, RootStress, root_stress, stress_field
+from fem.contact.models.solid_stress import LoadedTeeth, stress_field
 from fem.contact.slice_frame import law_points
 from fem.contact.teeth import checked_terms
 from fem.contact.wheels.compliance import ContactCompliance
 from fem.contact.wheels.direct_contact import contact_at
+from fem.gears.geometry import GearPair
 from fem.gears.modifications import lead_gap, profile_gap
 from pipelines.machine.flanks_spec import FlanksSpec
 
 
-def build_compliance(spec: LawSpec) -> ContactCompliance:
+def build_compliance(pair: GearPair, model: Solid) -> ContactCompliance:
     """The compliances between all possible contact points."""
-    assert isinstance(spec.mesh, Solid), "the only model of stress"
-    return spec.mesh.compliance(spec.pair)
-
-
-def build_root(spec: LawSpec) -> tuple[RootStress, RootStress]:
-    """Root stresses of pinion and wheel by unit forces on their flanks."""
-    assert isinstance(spec.mesh, Solid), "the only model of stress"
-    return root_stress(spec.pair, spec.mesh)
+    return model.compliance(pair)
 
 
 def build(

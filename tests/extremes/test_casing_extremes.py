@@ -16,7 +16,7 @@ from fem.casing.reduced.casing_modes import casing_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.reduction_error import reduced_response
-from fem.casing.reduced.rigid_on_mounts import housing_mass, rigid_from_mesh
+from fem.casing.reduced.rigid_on_mounts import housing_mass, rigid_body
 from fem.elements.materials import Material
 from fem.elements.solids import mass_properties
 
@@ -69,7 +69,7 @@ def test_frequencies_go_with_the_root_of_stiffness_over_density(mesh, usual, cha
 def test_a_stiff_housing_tends_to_the_rigid_model(mesh):
     """On equal mounts, to 1e6 GPa: the accelerance across all mount modes tends to the rigid one as 1/E."""
     mounts, sensor = 2e7, Sensor(name="sensor_1", position=(0.03, 0.0, 0.08))
-    rigid = rigid_from_mesh(mesh, density=7200.0, mount_stiffness=mounts, damping_ratio=0.01, sensors=[sensor])
+    rigid = rigid_body(mesh, density=7200.0, mount_stiffness=mounts, damping_ratio=0.01, sensors=[sensor])
     loads = [f"bearing_1:{axis}" for axis in ("ux", "uy", "uz")]
     at = np.linspace(20.0, 600.0, 59)
     acceleration = -((2 * np.pi * at[:, None, None]) ** 2)

@@ -94,9 +94,7 @@ def test_no_damping_at_all():
 def test_bearing_stiffness(stiffness):
     machine = lifted(rope={"container_mass": 50.0})
     bearings = tuple(
-        dataclasses.replace(
-            b, stiffness_x=stiffness, stiffness_z=stiffness, stiffness_axial=stiffness, damping_time=1e-6
-        )
+        dataclasses.replace(b, stiffness=(*(stiffness,) * 3, *b.stiffness[3:]), damping_time=1e-6)
         for b in machine.bearings
     )
     machine = dataclasses.replace(machine, bearings=bearings)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from fem.casing.reduced.grounded import AssembledCasing
 from fem.casing.reduced.reduction import Interface, held_interface
-from fem.numerics.linear_solver import Solver
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -16,8 +15,8 @@ class FactoredCasing(AssembledCasing):
     interface: Interface
 
 
-def factored(casing: AssembledCasing, solver: Solver = "auto") -> FactoredCasing:
-    """A casing that is not divided, factorised by a solver of `fem.numerics.linear_solver.factorize`."""
+def factored(casing: AssembledCasing) -> FactoredCasing:
+    """A casing that is not divided, factorised."""
     springs = casing.springs if casing.ground == "springs" else None
-    interface = held_interface(casing.K_free, casing.rows, penalty=springs, loads=casing.loads, solver=solver)
+    interface = held_interface(casing.K_free, casing.rows, penalty=springs, loads=casing.loads)
     return FactoredCasing(**vars(casing), interface=interface)

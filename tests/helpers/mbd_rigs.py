@@ -139,11 +139,7 @@ def train(n_stages=1, *, load="torque", speed=94.2477796, profile=None, model="t
                     name=f"bearing_{2 * i + k + 1}",
                     shaft=f"shaft_{i + 1}",
                     y=y,
-                    stiffness_x=1e8,
-                    stiffness_z=1e8,
-                    stiffness_axial=5e7,
-                    stiffness_tilt_x=1e4,
-                    stiffness_tilt_z=1e4,
+                    stiffness=(1e8, 5e7, 1e8, 1e4, 1e4),
                     damping_time=options.get("bearing_tau", 1e-5),
                 )
             )

@@ -27,7 +27,7 @@ def signals(samples=SAMPLES, seed=7):
 def machine(**changes):
     """A machine with one shaft at 1500 rpm; without sensors every channel is one. `changes` are keys of its file."""
     kinematics = Kinematics(shafts=(Shaft(name="shaft_1", ratio=1.0),), frequency=25.0)
-    return MeasuredMachine(name="bench", kinematics=kinematics, table=MachineTable(speed_rpm=1500.0, **changes))
+    return MeasuredMachine(kinematics=kinematics, table=MachineTable(speed_rpm=1500.0, **changes))
 
 
 def write_text(path, values, separator=",", decimal=".", header=True, time=True):

@@ -15,6 +15,7 @@ from mbd.output.simulate import simulate
 from mbd.parts.part_checks import MachineError
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 
@@ -113,10 +114,10 @@ def test_a_bent_shaft_of_a_scene_in_si():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"straight_at_mm": [-20.0, 2500.0]}, "forces.1.straight_at_mm.2 = 2500: is not on shaft 2. Set"),
+        ({"straight_at_mm": [-20.0, 2500.0]}, "forces.1.straight_at_mm.2: y = 2500 mm is not on shaft 2"),
         ({"straight_at_mm": [10.0, 25.0]}, "two places other than position_mm"),
     ],
 )
 def test_bows_that_cannot_be_are_refused(changes, message):
     with pytest.raises(SceneError, match=message):
-        load_scene("minimal", {"forces": [TABLE | changes]})
+        checked_machine(load_scene("minimal", {"forces": [TABLE | changes]}).scene, "scene")

@@ -172,9 +172,9 @@ def test_integrals_of_the_flow_are_those_of_its_states_within_the_steps():
     rates = np.diff(speeds) / step
     block = integrator.advance(angles[1:], speeds[1:], rates)
     flow = integrator.flow
-    work = FlowWork(flow)
-    work.take(start)
-    work.take(block)
+    work = FlowWork(flow, n)
+    work.take(start, 0)
+    work.take(block, 1)
     step, rates, ends = block.clock[:, [LENGTH]], block.clock[:, ACCELERATION], block.clock[:, [SPEED]]
     assert len(np.unique(step)) > 2  # cut at the impacts
     assert ((block.elastic[1:, 0] > 0) != (block.elastic[:-1, 0] > 0)).any()

@@ -24,6 +24,7 @@ from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 from pipelines.steps.machine_steps import machine_steps
@@ -152,7 +153,7 @@ def test_forces_of_a_scene_in_si_and_the_casing_that_bears_them():
 )
 def test_forces_that_cannot_be_are_refused(force, message):
     with pytest.raises(SceneError, match=message):
-        load_scene("minimal", {"forces": [force]})
+        checked_machine(load_scene("minimal", {"forces": [force]}).scene, "minimal")
 
 
 def test_a_casing_that_stands_still_cannot_be_forced():

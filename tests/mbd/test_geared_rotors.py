@@ -59,7 +59,7 @@ def disk(name, y, mass, diametral, polar):
 def journal(name, shaft, y, horizontal, vertical, damping=3e3):
     """Stiff along the shaft, so that axial motion stays above the published modes."""
     return BearingSpec(
-        name=name, shaft=shaft, y=y, stiffness_x=horizontal, stiffness_z=vertical, stiffness_axial=1e10,
+        name=name, shaft=shaft, y=y, stiffness=(horizontal, 1e10, vertical, 0.0, 0.0),
         damping=tuple(
             tuple(damping * (i == j and a in ("ux", "uz")) for j in range(5)) for i, a in enumerate(BEARING_AXES)
         ),
@@ -121,8 +121,7 @@ def overhung(speed):
         disks=(disk("disk", 0.0, 20.0, 0.1, 0.18),),
     )  # fmt: skip
     bearing = BearingSpec(
-        name="bearing", shaft="rotor", y=0.0, stiffness_x=1e9, stiffness_z=1e9, stiffness_axial=1e9,
-        stiffness_tilt_x=4e3, stiffness_tilt_z=4e3, damping_time=0.0, support="ground",
+        name="bearing", shaft="rotor", y=0.0, stiffness=(1e9, 1e9, 1e9, 4e3, 4e3), damping_time=0.0, support="ground",
     )  # fmt: skip
     return Machine(
         shafts=(shaft,), bearings=(bearing,), meshes=(), gyroscopic=True, gravity=0.0,

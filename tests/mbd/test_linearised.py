@@ -27,7 +27,6 @@ from mbd.system.system import assemble
 from pipelines.cli.main import main
 
 STANDING = SpeedProfile(times=np.zeros(1), speeds=np.zeros(1))
-HELD = {"stiffness_x": 1e9, "stiffness_z": 1e9, "stiffness_axial": 1e9, "damping_time": 0.0}
 
 
 def rotor(name, x, sense, mass, inertia):
@@ -40,7 +39,7 @@ def rotor(name, x, sense, mass, inertia):
 
 
 def held(shaft):
-    return BearingSpec(name=f"at_{shaft}", shaft=shaft, y=0.0, stiffness_tilt_x=1e9, stiffness_tilt_z=1e9, **HELD)
+    return BearingSpec(name=f"at_{shaft}", shaft=shaft, y=0.0, stiffness=(1e9,) * 5, damping_time=0.0)
 
 
 INERTIA, COUPLING, TORQUE = (2e-3, 8e-2), 2e3, 50.0

@@ -129,8 +129,7 @@ def bearing(name, shaft):
     from mbd.parts.bearings import BearingSpec
 
     return BearingSpec(
-        name=f"bearing_{name}", shaft=shaft, y=0.0, stiffness_x=1e9, stiffness_z=1e9, stiffness_axial=1e9,
-        stiffness_tilt_x=1e9, stiffness_tilt_z=1e9,
+        name=f"bearing_{name}", shaft=shaft, y=0.0, stiffness=(1e9,) * 5,
     )  # fmt: skip
 
 
@@ -176,7 +175,7 @@ def test_a_casing_for_another_layout_is_refused():
 
 def test_a_shaft_without_axial_hold_is_refused_by_name():
     machine = train(1)
-    loose = tuple(dataclasses.replace(b, stiffness_axial=0.0) for b in machine.bearings)
+    loose = tuple(dataclasses.replace(b, stiffness=(1e8, 0.0, 1e8, 1e4, 1e4)) for b in machine.bearings)
     spur = dataclasses.replace(machine, bearings=loose, meshes=(mesh(
         "stage_1", "shaft_1", "shaft_2", -0.05, teeth=(20, 55), module=0.002 / math.cos(0.21), helix=0.0, width=0.012,
     ),))  # fmt: skip
@@ -221,14 +220,13 @@ def test_equilibrium_state_has_no_rates():
 def test_a_casing_may_leave_out_a_tilt_that_no_bearing_holds():
     """As the interfaces of a reduced casing do: the machine is the same to the last bit."""
     machine = train(1, torque=5.0)
-    bearings = [dataclasses.replace(b, stiffness_tilt_x=0.0, stiffness_tilt_z=0.0) for b in machine.bearings]
+    bearings = [dataclasses.replace(b, stiffness=(*b.stiffness[:3], 0.0, 0.0)) for b in machine.bearings]
     machine, body = dataclasses.replace(machine, bearings=tuple(bearings)), rigid_casing(machine)
     kept = [n for n, name in enumerate(body.row_names) if not name.endswith((":rx", ":rz"))]
     names = tuple(body.row_names[n] for n in kept)
     lean = dataclasses.replace(body, row_names=names, rows=body.rows[kept], row_shifts=body.row_shifts[kept])
     assert np.array_equal(assemble(machine, lean).stiffness, assemble(machine, body).stiffness)
-    held = dataclasses.replace(
-        machine, bearings=(dataclasses.replace(bearings[0], stiffness_tilt_x=1.0), *bearings[1:])
-    )
+    first = dataclasses.replace(bearings[0], stiffness=(*bearings[0].stiffness[:3], 1.0, 0.0))
+    held = dataclasses.replace(machine, bearings=(first, *bearings[1:]))
     with pytest.raises(MachineError, match="has no row"):
         assemble(held, lean)

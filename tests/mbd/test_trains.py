@@ -165,8 +165,8 @@ def test_a_bearing_between_two_shafts_carries_what_the_other_bearing_leaves():
     shaft = next(part for part in system.parts if part.name == "shaft_3")
     up = [place for place, i in enumerate(shaft.index) if lay.names[i].endswith(":uz")]
     weight = shaft.mass[np.ix_(up, up)].sum() * machine.gravity
-    mesh = mesh_rows(machine.mesh("stage_2"), machine.shaft("shaft_3"), machine.shaft("shaft_2"))[0, 2]
-    held = stiffness * lift @ q - bearing.stiffness_z * turn @ q - state.mesh_force[1] * mesh
+    mesh = mesh_rows(machine.meshes[1], machine.shaft("shaft_3"), machine.shaft("shaft_2"))[0, 2]
+    held = stiffness * lift @ q - bearing.stiffness[2] * turn @ q - state.mesh_force[1] * mesh
     assert stiffness * lift @ q > 0.1 * weight
     assert held == pytest.approx(weight, rel=1e-6)
 
@@ -181,7 +181,7 @@ def test_cross_terms_turn_the_axes_of_a_bearing():
     angle, k = math.radians(30), (4e7, 1e7)
     c, s = math.cos(angle), math.sin(angle)
     xx, zz, xz = k[0] * c * c + k[1] * s * s, k[0] * s * s + k[1] * c * c, (k[0] - k[1]) * c * s
-    bearing = BearingSpec(name="b", shaft="shaft_1", y=0.0, stiffness_x=xx, stiffness_z=zz, stiffness_axial=2e7,
+    bearing = BearingSpec(name="b", shaft="shaft_1", y=0.0, stiffness=(xx, 2e7, zz, 0.0, 0.0),
                           cross=(("ux", "uz", xz),), damping_time=0.0, support="ground")  # fmt: skip
     base = train(1)
     both = [
@@ -222,9 +222,7 @@ def test_rigid_bearings_are_the_limit_of_stiff_ones():
         return natural_frequencies(assemble(machine, no_casing()))[:6]
 
     def stiff(k):
-        return lambda b: dataclasses.replace(
-            b, stiffness_x=k, stiffness_z=k, stiffness_axial=k, stiffness_tilt_x=0.0, stiffness_tilt_z=0.0
-        )
+        return lambda b: dataclasses.replace(b, stiffness=(k, k, k, 0.0, 0.0))
 
     rigid = lowest(lambda b: rigid_bearing(b.name, b.shaft, b.y))
     errors = [abs(lowest(stiff(k)) / rigid - 1).max() for k in (1e10, 1e11)]

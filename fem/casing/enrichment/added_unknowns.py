@@ -90,18 +90,5 @@ def added_functions(
 
 def _bordered(matrix: sp.csr_matrix, rows: sp.csr_matrix) -> sp.csr_matrix:
     """A symmetric matrix (k, k) bordered by further rows (m, k + m) and their transposes."""
-    k, size = matrix.shape[0], matrix.shape[0] + rows.shape[0]
-    columns = sp.csr_matrix(rows[:, :k].T)
-    ends = np.append(matrix.indptr + columns.indptr, matrix.nnz + columns.nnz + rows.indptr[1:])
-    own = np.append(np.diff(matrix.indptr), np.zeros(size - k, int))  # entries of the matrix come first in each row
-    first = np.repeat(np.tile([True, False], size), np.column_stack([own, np.diff(ends) - own]).ravel())
-    indices, data = np.empty(ends[-1], matrix.indices.dtype), np.empty(ends[-1])
-    indices[first], indices[~first] = matrix.indices, np.append(k + columns.indices, rows.indices)
-    data[first], data[~first] = matrix.data, np.append(columns.data, rows.data)
-    return sp.csr_matrix((data, indices, ends), shape=(size, size))
-
-
-def extended(matrix: sp.csr_matrix, size: int) -> sp.csr_matrix:
-    """A matrix (k, k) with empty rows and columns up to a size."""
-    ends = np.full(size - matrix.shape[0], matrix.nnz, matrix.indptr.dtype)
-    return sp.csr_matrix((matrix.data, matrix.indices, np.append(matrix.indptr, ends)), shape=(size, size))
+    k = matrix.shape[0]
+    return sp.csr_matrix(sp.block_array([[matrix, rows[:, :k].T], [rows[:, :k], rows[:, k:]]], format="csr"))

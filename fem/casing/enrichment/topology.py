@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import product
 
 import numpy as np
 
@@ -176,10 +177,8 @@ def _corner_places() -> np.ndarray:
 @cache
 def _corner_at() -> np.ndarray:
     """Local numbers (2, 2, 2) of the corners by their reference coordinates."""
-    out = np.empty((2, 2, 2), int)
-    for number, place in enumerate(_corner_places().astype(int)):
-        out[tuple(place)] = number
-    return out
+    number = _number_at("hexahedron-8")
+    return np.array([number[place] for place in product((0, 2), repeat=3)]).reshape(2, 2, 2)
 
 
 @cache

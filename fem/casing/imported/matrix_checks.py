@@ -102,7 +102,7 @@ def check_matrices(body: ImportedBody, count: int = 30) -> MatrixCheck:
         inertia=inertia,
         frequencies=frequencies,
         rigid_modes=rigid,
-        wrong=tuple(wrong),
+        wrong=tuple(words for bad, words in wrong if bad),
         doubtful=tuple(_doubtful(body, mass, elastic)),
     )
 
@@ -184,27 +184,33 @@ def _dense(K: np.ndarray, M: np.ndarray) -> np.ndarray | None:
 
 def _wrong(
     asymmetry: list[float], mass: float, grounding: float, rigid: int, negative: int, place: str
-) -> Iterator[str]:
+) -> Iterator[tuple[bool, str]]:
+    """Whether something is wrong, and in what words; mass and grounding are nan without positions of the nodes."""
     for name, value in zip(("stiffness", "mass"), asymmetry, strict=True):
-        if value > _SYMMETRIC:
-            yield (
+        yield (
+            value > _SYMMETRIC,
+            (
                 f"the {name} matrix is not symmetric ({value:.1e}, limit {_SYMMETRIC:.0e}): it contains gyroscopic "
                 "terms, or the file is cut off"
-            )
-    if negative:
-        yield (
+            ),
+        )
+    yield (
+        negative > 0,
+        (
             f"{negative} or more modes have negative stiffness{place}: the exporting program has inverted elements or "
             "a negative modulus there, the matrices are those of a loaded or damaged model, or have too few digits"
-        )
-    if np.isfinite(grounding) and grounding > _FREE:
-        yield (
+        ),
+    )
+    yield (
+        grounding > _FREE,
+        (
             f"a rigid-body motion needs force ({grounding:.1e} of the largest stiffness, limit {_FREE:.0e}): the body "
             "is held, or the node coordinates are wrong. Export the free body, and state its feet in the scene"
-        )
-    elif np.isfinite(grounding) and rigid > 6:
-        yield f"{rigid} modes have no stiffness, a free body has 6 of them: a part is not connected"
-    if np.isfinite(mass) and not mass > 0.0:
-        yield "its mass is zero: no densities in the model, or a mass matrix of other equations"
+        ),
+    )
+    loose = f"{rigid} modes have no stiffness, a free body has 6 of them: a part is not connected"
+    yield grounding <= _FREE and rigid > 6, loose
+    yield mass <= 0.0, "its mass is zero: no densities in the model, or a mass matrix of other equations"
 
 
 def _negative_place(body: ImportedBody) -> str:

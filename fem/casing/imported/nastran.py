@@ -71,7 +71,7 @@ def grid_points(path: Path) -> tuple[np.ndarray, np.ndarray]:
     ------
     ForeignError : no GRID card, or coordinate systems that are not defined in the file by CORD2R, CORD2C or CORD2S
     """
-    from pyyeti.nastran import bulk
+    from pyyeti.nastran import bulk, n2p
 
     cards = bulk.rdgrids(str(path))
     if cards is None:
@@ -82,26 +82,12 @@ def grid_points(path: Path) -> tuple[np.ndarray, np.ndarray]:
             f"{path.name}: nodes use the coordinate system {min(unknown)}, which no CORD2R, CORD2C or CORD2S card of "
             "the file defines; write it as one of these, or export the nodes in the basic system"
         )
-    table, systems = bulk.bulk2uset(str(path))
+    table, _ = bulk.bulk2uset(str(path))
     rows = table[["x", "y", "z"]].to_numpy().reshape(-1, 6, 3)  # position, (frame, kind, 0), origin, directions
     numbers = table.index.get_level_values("id").to_numpy()[::6]
     places = rows[:, 0]
     frames = np.broadcast_to(np.eye(3), (len(places), 3, 3)).copy()
-    for at in np.flatnonzero(rows[:, 1, 0]):
-        system = systems[int(rows[at, 1, 0])]
-        frames[at] = system[2:] @ _local_directions(int(system[0, 1]), system[2:].T @ (places[at] - system[1]))
+    if (local := rows[:, 1, 0] != 0).any():  # rigid motions are given in the frame of each node
+        motions = n2p.rbgeom_uset(table[np.repeat(local, 6)]).reshape(-1, 6, 6)
+        frames[local] = motions[:, :3, :3].transpose(0, 2, 1)
     return np.column_stack([numbers, places]), frames
-
-
-def _local_directions(kind: int, place: np.ndarray) -> np.ndarray:
-    """Directions (3, 3), in columns, of a rectangular (1), cylindrical (2) or spherical (3) frame at a position."""
-    if kind == 1:
-        return np.eye(3)
-    x, y, z = place
-    around = np.arctan2(y, x)
-    c, s = np.cos(around), np.sin(around)
-    if kind == 2:
-        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    down = np.arctan2(np.hypot(x, y), z)
-    C, S = np.cos(down), np.sin(down)
-    return np.array([[S * c, C * c, -s], [S * s, C * s, c], [C, -S, 0.0]])

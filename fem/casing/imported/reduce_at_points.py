@@ -46,7 +46,6 @@ class ReducedImportedBody:
     expansion: sp.csr_matrix  # E (n, q)
     springs: np.ndarray  # (interface,) N/m, auxiliary springs for the factorisation
     interface: Interface  # factorised
-    free_stiffness: sp.csr_matrix  # (q, q)
 
 
 def reduce_imported_body(
@@ -84,7 +83,7 @@ def reduce_imported_body(
         reduction = reduce_body(interface, K, M, count=0, enrich=False)
     else:
         reduction = reduce_body(interface, K, M, highest=band)
-    return ReducedImportedBody(body, reduction, tuple(names), places, expansion, springs, interface, K)
+    return ReducedImportedBody(body, reduction, tuple(names), places, expansion, springs, interface)
 
 
 def _coupled(

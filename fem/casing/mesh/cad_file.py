@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from fem.casing.geometry.locators import ByCylinder
-from fem.casing.mesh.gmsh_session import numbered_nodes
+from fem.casing.mesh.gmsh_session import face_triangles, numbered_nodes
 from fem.casing.mesh.imported_housing import (
     CAD_FORMATS,
     STL_SUFFIXES,
@@ -381,15 +381,11 @@ def _first_surface(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> tuple[S
     gmsh.option.setNumber("Mesh.MeshSizeMin", MM * min(sizes.element, *seats) / 20)  # the tip of a cone has no radius
     gmsh.model.mesh.generate(2)
     points, row = numbered_nodes(gmsh)
-    triangles, face = [], []
-    for _, tag in gmsh.model.getEntities(2):
-        for corners in gmsh.model.mesh.getElements(2, tag)[2]:
-            triangles.append(row[corners.reshape(-1, 3)])
-            face.append(np.full(len(triangles[-1]), tag))
+    triangles, face = face_triangles(gmsh, [tag for _, tag in gmsh.model.getEntities(2)], row)
     if Path(housing.path).suffix.lower() in STL_SUFFIXES:
         gmsh.model.mesh.generate(1)  # starts again; clearing would delete the triangles of the geometry
     else:
         gmsh.model.mesh.clear()
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0)
     gmsh.option.setNumber("Mesh.MeshSizeMin", 0)
-    return Surface(housing.placed(points, 1 / MM), np.vstack(triangles)), np.concatenate(face)
+    return Surface(housing.placed(points, 1 / MM), triangles), face

@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 
 from fem.casing.mesh.surface import Surface
-from fem.numerics.connected_parts import connected_parts, shared_sides
 from fem.numerics.fitted_circle import fitted_circle
 from fem.numerics.message_places import in_mm
 
@@ -31,7 +30,7 @@ def cylinders_like(surface: Surface, axis: np.ndarray, through: np.ndarray) -> s
 def _cylinders(surface: Surface, axis: np.ndarray, through: np.ndarray) -> str:
     across = np.linalg.svd(axis[None])[2][1:]  # two directions perpendicular to the axis
     found = []
-    for part in _smooth_pieces(surface, axis):
+    for part in surface.parts(np.abs(surface.normals @ axis) < _PERPENDICULAR, smooth=_SMOOTH):
         corners = surface.corners[part].reshape(-1, 3)
         fitted = fitted_circle(corners @ across.T) if len(part) >= 6 else None
         if fitted is None:
@@ -55,15 +54,3 @@ def planes_like(surface: Surface, normal: np.ndarray, through: np.ndarray) -> st
     offsets = sorted(set(levels.tolist()), key=abs)[:_SHOWN]
     words = [f"{1000 * o:+.5g} mm along the normal ({1e6 * area[chosen][levels == o].sum():.4g} mm2)" for o in offsets]
     return f"the nearest flat faces with this normal lie {'; '.join(words)}"
-
-
-def _smooth_pieces(surface: Surface, axis: np.ndarray) -> list[np.ndarray]:
-    vectors = surface.area_vectors
-    normal = vectors / np.linalg.norm(vectors, axis=1)[:, None]
-    facets = np.flatnonzero(np.abs(normal @ axis) < _PERPENDICULAR)
-    if not len(facets):
-        return []
-    one, two = (sides // 3 for sides in shared_sides(surface.triangles[facets]))
-    smooth = np.einsum("fd,fd->f", normal[facets[one]], normal[facets[two]]) > _SMOOTH
-    label = connected_parts(len(facets), one[smooth], two[smooth])
-    return [facets[label == number] for number in range(label.max() + 1)]

@@ -12,7 +12,7 @@ import numpy as np
 from fem.casing.geometry.dimensions import HousingError
 from fem.casing.geometry.housing import Housing
 from fem.casing.mesh.finished_mesh import RawMesh, finished_mesh
-from fem.casing.mesh.housing_section import SectionMesh, divided, lines_across, section, shaft_places
+from fem.casing.mesh.housing_section import divided, lines_across, section, shaft_places
 from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.casing.mesh.sizes import Sizes
 from fem.elements.solid_elements import SOLIDS
@@ -67,7 +67,7 @@ def extruded_hexahedra(housing: Housing, size: float) -> tuple[np.ndarray, np.nd
         [*corners[:, 2], *lines_across(places, 1, size)],
     )
     x, y, z = (divided(lines, size) for lines in fixed)
-    return _extruded(housing, section(places, x, z, size=size), y)
+    return _extruded(housing, *section(places, x, z, size=size), y)
 
 
 def inside(housing: Housing, points: np.ndarray) -> np.ndarray:
@@ -103,16 +103,18 @@ def _in_box(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray
     return np.asarray(((points > low) & (points < high)).all(axis=-1))
 
 
-def _extruded(housing: Housing, flat: SectionMesh, y_lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _extruded(
+    housing: Housing, flat: np.ndarray, cells: np.ndarray, y_lines: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Hexahedra over the cells and layers whose middle lies in the body."""
     levels = with_middles(y_lines)
-    middle = flat.nodes[flat.cells[:, 1, 1]]
+    middle = flat[cells[:, 1, 1]]
     points = np.empty((len(middle), len(y_lines) - 1, 3))
     points[..., 0], points[..., 1], points[..., 2] = middle[:, None, 0], levels[1::2], middle[:, None, 1]
     cell, layer = np.nonzero(inside(housing, points))
     across, turn, up = np.round(2 * ELEMENT.library.doflocs).astype(int).T  # positions 0, 1, 2 of the local nodes
-    number = flat.cells[cell][:, across, turn] * len(levels) + 2 * layer[:, None] + (2 - up)
+    number = cells[cell][:, across, turn] * len(levels) + 2 * layer[:, None] + (2 - up)
     used, elements = np.unique(number, return_inverse=True)
     place, level = np.divmod(used, len(levels))
-    nodes = np.column_stack([flat.nodes[place, 0], levels[level], flat.nodes[place, 1]])
+    nodes = np.column_stack([flat[place, 0], levels[level], flat[place, 1]])
     return nodes, elements.reshape(number.shape)

@@ -92,35 +92,27 @@ def finished_mesh(
 
 
 def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None:
-    """MeshError if parts of the mesh share no node, or no face: a shared edge or vertex acts as a hinge."""
+    """MeshError if parts of the mesh share no face: a shared edge or vertex acts as a hinge."""
     corners = elements[:, : solid_element(elements).corners]
-    rows = np.repeat(corners[:, 0], corners.shape[1] - 1)
-    label = connected_parts(len(nodes), rows, corners[:, 1:].ravel())[corners[:, 0]]
+    mesh = solid_mesh(np.zeros((corners.max() + 1, 3)), corners)
+    inner = mesh.f2t[:, mesh.f2t[1] >= 0]
+    label = connected_parts(len(corners), inner[0], inner[1])
     parts, sizes = np.unique(label, return_counts=True)
-    if len(parts) > 1:
-        loose = parts[sizes.argmin()]
-        raise MeshError(
-            f"{name} falls into {len(parts)} unconnected parts; the smallest has {sizes.min()} of {len(elements)} "
-            f"elements around {in_mm(nodes[corners[label == loose]].mean(axis=(0, 1)))}. Merge coincident nodes, or "
-            "remove the loose part"
-        )
-    label = _over_sides(corners)
-    parts, sizes = np.unique(label, return_counts=True)
-    if len(parts) > 1:
-        loose = label == parts[sizes.argmin()]
-        shared = np.intersect1d(corners[loose], corners[~loose])
+    if len(parts) == 1:
+        return
+    loose = label == parts[sizes.argmin()]
+    shared = np.intersect1d(corners[loose], corners[~loose])
+    if len(shared):
         raise MeshError(
             f"{name}: {int(loose.sum())} of {len(elements)} elements share only an edge or a vertex with the others, "
             f"around {in_mm(nodes[shared].mean(axis=0))}, as on a hinge. Let the parts touch with a face, "
             "or leave one out"
         )
-
-
-def _over_sides(corners: np.ndarray) -> np.ndarray:
-    """Number (e,) of the part of each element, for parts that share no face; corners (e, 4 or 8)."""
-    mesh = solid_mesh(np.zeros((corners.max() + 1, 3)), corners)
-    inner = mesh.f2t[:, mesh.f2t[1] >= 0]
-    return connected_parts(len(corners), inner[0], inner[1])
+    raise MeshError(
+        f"{name} falls into {len(parts)} unconnected parts; the smallest has {sizes.min()} of {len(elements)} "
+        f"elements around {in_mm(nodes[corners[loose]].mean(axis=(0, 1)))}. Merge coincident nodes, or "
+        "remove the loose part"
+    )
 
 
 def _facet_groups(raw: RawMesh, facets: np.ndarray) -> dict[str, np.ndarray]:

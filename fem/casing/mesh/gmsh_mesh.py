@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from fem.casing.geometry.housing import Housing
-from fem.casing.geometry.locators import ByCylinder
 from fem.casing.mesh.cad_file import SMALL_EDGE, named, read_step, refinements, small_edges
 from fem.casing.mesh.finished_mesh import RawMesh, finished_mesh
 from fem.casing.mesh.gmsh_session import numbered_nodes, session
@@ -165,9 +164,6 @@ def _find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:
         surface = _cylinders(gmsh, housing, [tag for tag, kind in kinds.items() if kind == "Cylinder"])
     found: dict[str, np.ndarray | MeshError] = {}
     for seat in housing.seats:
-        if not isinstance(seat.locator, ByCylinder):
-            found[seat.name] = MeshError(f"{seat.name}: a STEP file has no groups; locate it by through and diameter")
-            continue
         try:
             facets = locate(surface, seat.name, seat.locator)
         except MeshError as error:

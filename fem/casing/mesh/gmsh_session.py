@@ -9,7 +9,7 @@ import signal
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -64,6 +64,13 @@ def numbered_nodes(gmsh: Any) -> tuple[np.ndarray, np.ndarray]:
     row = np.zeros(int(tags.max()) + 1, np.int64)
     row[tags] = np.arange(len(tags))
     return coordinates.reshape(-1, 3), row
+
+
+def face_triangles(gmsh: Any, faces: Iterable[int], row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (t, 3) of the linear triangles on some faces, as rows of `numbered_nodes`, and the face (t,) of each."""
+    parts = [(tag, row[corners.reshape(-1, 3)]) for tag in faces for corners in gmsh.model.mesh.getElements(2, tag)[2]]
+    face = np.repeat(np.array([tag for tag, _ in parts], int), [len(own) for _, own in parts] or 0)
+    return np.vstack([np.zeros((0, 3), np.int64), *(own for _, own in parts)]), face
 
 
 @contextmanager

@@ -27,14 +27,6 @@ _LEAST = 3  # least number of cells along a side of a shaft's rectangle
 _MARGIN = 0.6  # target distance from the largest circle to the rectangle, in element sizes
 
 
-@dataclass(frozen=True, eq=False)
-class SectionMesh:
-    """Nodes (n, 2) at x, z and cells (c, 3, 3) of node numbers; the corners of a cell are ordered from x towards z."""
-
-    nodes: np.ndarray
-    cells: np.ndarray
-
-
 @dataclass(frozen=True)
 class ShaftPlace:
     """Circles about one shaft axis: radii of bores and bosses (m, ascending), and the rectangle around them."""
@@ -132,8 +124,12 @@ def lines_across(places: Sequence[ShaftPlace], axis: int, size: float) -> list[f
     return lines
 
 
-def section(places: Sequence[ShaftPlace], x_lines: np.ndarray, z_lines: np.ndarray, *, size: float) -> SectionMesh:
-    """Nine-node quadrilaterals of a section.
+def section(
+    places: Sequence[ShaftPlace], x_lines: np.ndarray, z_lines: np.ndarray, *, size: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Nine-node quadrilaterals of a section: nodes (n, 2) at x, z and cells (c, 3, 3) of node numbers.
+
+    The corners of a cell are ordered from x towards z.
 
     Parameters
     ----------
@@ -223,7 +219,7 @@ def _rings(place: ShaftPlace, outline: np.ndarray, size: float) -> np.ndarray:
     return np.concatenate([circles, (1.0 - part) * outermost + part * outline])
 
 
-def _merged(nodes: np.ndarray, cells: np.ndarray) -> SectionMesh:
+def _merged(nodes: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Merge coincident nodes, drop unused ones, and order the corners of every cell from x towards z."""
     _, first, same = np.unique(np.round(nodes / _SAME).astype(np.int64), axis=0, return_index=True, return_inverse=True)
     cells = same.ravel()[cells]
@@ -232,4 +228,4 @@ def _merged(nodes: np.ndarray, cells: np.ndarray) -> SectionMesh:
     one, other = nodes[cells[:, 2, 0]] - nodes[cells[:, 0, 0]], nodes[cells[:, 0, 2]] - nodes[cells[:, 0, 0]]
     backwards = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0] < 0.0
     cells[backwards] = cells[backwards].transpose(0, 2, 1)
-    return SectionMesh(nodes, cells)
+    return nodes, cells

@@ -15,8 +15,8 @@ import numpy as np
 
 from fem.casing.geometry.housing import Housing
 from fem.casing.mesh.mesh import MeshError
+from fem.casing.mesh.sizes import MM
 
-MM = 1000.0
 _NEAR = 1e-3  # mm, for recognising edges and faces by their bounding boxes
 _Solid = tuple[int, int]
 
@@ -28,16 +28,18 @@ def build_solid(gmsh: Any, housing: Housing) -> None:
     ------
     MeshError : the parts do not form one body, or OpenCASCADE cannot round the given edges
     """
-    occ, wall = gmsh.model.occ, housing.wall("side")
+    occ, wall, feet = gmsh.model.occ, housing.wall("side"), housing.feet
     shell, _ = occ.cut([_block(occ, *housing.box)], [_cavity(gmsh, housing)])
     bosses = [_cylinder_y(occ, b.x, b.z, *housing.bore_span(b), b.boss_diameter) for b in housing.bores]
-    feet = [_block(occ, *corners) for corners in housing.foot_boxes().values()]
-    body, _ = occ.fuse(shell, bosses + feet)
+    blocks = [_block(occ, *corners) for corners in housing.foot_boxes().values()]
+    body, _ = occ.fuse(shell, bosses + blocks)
     if housing.fillets.foot:
         body = _round_feet(gmsh, housing, body)
-    if added := _pads(occ, housing) + _flange(occ, housing) + _ribs(occ, housing):
+    pads = _at_feet(occ, housing, feet.pad_diameter, 0.0, feet.pad_height + feet.height / 2)
+    if added := pads + _flange(occ, housing) + _ribs(occ, housing):
         body, _ = occ.fuse(body, added)
-    holes = _bolt_holes(occ, housing)
+    length = feet.pad_height + feet.height
+    holes = _at_feet(occ, housing, feet.bolt_diameter, length / 2, 1.5 * length)
     for bore in housing.bores:
         start, end = housing.bore_span(bore)
         holes.append(_cylinder_y(occ, bore.x, bore.z, start - wall / 2, end + wall / 2, bore.diameter))
@@ -83,8 +85,14 @@ def _cylinder_y(occ: Any, x: float, z: float, start: float, end: float, diameter
     return 3, occ.addCylinder(MM * x, MM * start, MM * z, 0, MM * (end - start), 0, MM * diameter / 2)
 
 
-def _cylinder_z(occ: Any, x: float, y: float, start: float, end: float, diameter: float) -> _Solid:
-    return 3, occ.addCylinder(MM * x, MM * y, MM * start, 0, 0, MM * (end - start), MM * diameter / 2)
+def _at_feet(occ: Any, housing: Housing, diameter: float, below: float, above: float) -> list[_Solid]:
+    """A cylinder at every foot from `below` its ground point to `above`; none of diameter 0."""
+    if not diameter:
+        return []
+    return [
+        (3, occ.addCylinder(MM * x, MM * y, MM * (z - below), 0, 0, MM * (below + above), MM * diameter / 2))
+        for x, y, z in housing.ground_points().values()
+    ]
 
 
 def _cavity(gmsh: Any, housing: Housing) -> _Solid:
@@ -126,27 +134,6 @@ def _rounded(occ: Any, solids: list[_Solid], edges: list[int], radius: float, na
     if not made:
         raise MeshError(f"OpenCASCADE made no body with {name} fillets of {MM * radius:.4g} mm; use a smaller radius")
     return made
-
-
-def _pads(occ: Any, housing: Housing) -> list[_Solid]:
-    feet, sunk = housing.feet, housing.feet.height / 2
-    if not feet.pad_diameter:
-        return []
-    return [
-        _cylinder_z(occ, x, y, z, z + feet.pad_height + sunk, feet.pad_diameter)
-        for x, y, z in housing.ground_points().values()
-    ]
-
-
-def _bolt_holes(occ: Any, housing: Housing) -> list[_Solid]:
-    feet = housing.feet
-    if not feet.bolt_diameter:
-        return []
-    length = feet.pad_height + feet.height
-    return [
-        _cylinder_z(occ, x, y, z - length / 2, z + 1.5 * length, feet.bolt_diameter)
-        for x, y, z in housing.ground_points().values()
-    ]
 
 
 def _flange(occ: Any, housing: Housing) -> list[_Solid]:

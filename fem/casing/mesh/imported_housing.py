@@ -62,25 +62,22 @@ class ImportedHousing:
     sensors: tuple[Sensor, ...] = ()
 
     def __post_init__(self) -> None:
-        if problems := list(self._problems()):
+        if problems := [words for wrong, words in self._problems() if wrong]:
             raise HousingError(f"housing from {Path(self.path).name}: " + "; ".join(problems))
 
-    def _problems(self) -> Iterator[str]:
-        if self.unit not in UNITS:
-            yield f"unit {self.unit!r} is not one of {', '.join(UNITS)}"
-        if Path(self.path).suffix.lower() not in (*CAD_SUFFIXES, *SUFFIXES):
-            yield f"the file is none of {', '.join((*CAD_SUFFIXES, *SUFFIXES))}"
+    def _problems(self) -> Iterator[tuple[bool, str]]:
+        yield (
+            Path(self.path).suffix.lower() not in (*CAD_SUFFIXES, *SUFFIXES),
+            f"the file is none of {', '.join((*CAD_SUFFIXES, *SUFFIXES))}",
+        )
         axes = np.array(self.axes, float)
-        if not np.allclose(axes @ axes.T, np.eye(3), atol=1e-6) or np.linalg.det(axes) < 0.0:
-            yield f"its axes {self.axes} are not three orthogonal, right-handed unit vectors (limit 1e-6)"
+        yield (
+            not np.allclose(axes @ axes.T, np.eye(3), atol=1e-6) or np.linalg.det(axes) < 0.0,
+            f"its axes {self.axes} are not three orthogonal, right-handed unit vectors (limit 1e-6)",
+        )
         names = [seat.name for seat in self.seats] + [sensor.name for sensor in self.sensors]
         for name in dict.fromkeys(names):
-            if names.count(name) > 1:
-                yield f"the name {name!r} is given {names.count(name)} times"
-        if any(number < 1 for number in self.solids):
-            yield f"solids {list(self.solids)}: they are numbered from 1"
-        if not self.grounds:
-            yield "no ground face; name at least one foot"
+            yield names.count(name) > 1, f"the name {name!r} is given {names.count(name)} times"
 
     @property
     def is_step(self) -> bool:

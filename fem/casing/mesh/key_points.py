@@ -51,8 +51,7 @@ def locate(surface: Surface, name: str, locator: Locator) -> np.ndarray:
 def plane_parts(surface: Surface, name: str, locator: ByPlane) -> list[np.ndarray]:
     """The unconnected parts of a plane, sorted by x, then y, then z of their centroids (to 1 mm)."""
     normal = _unit(locator.normal)
-    vectors = surface.area_vectors
-    along = np.abs(vectors @ normal) > _FLAT * np.linalg.norm(vectors, axis=1)
+    along = np.abs(surface.normals @ normal) > _FLAT
     off = np.abs((surface.corners - np.array(locator.through)) @ normal).max(axis=1)
     parts = surface.parts(along & (off < PLANE_TOLERANCE))
     if not parts:

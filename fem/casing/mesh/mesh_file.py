@@ -160,14 +160,11 @@ def _nastran(path: Path) -> Any:
     import meshio
 
     text = path.read_text(encoding="latin-1")
-    begins = re.search(r"^\s*BEGIN\s+BULK", text, re.IGNORECASE | re.MULTILINE)
-    ends = re.search(r"^\s*ENDDATA", text, re.IGNORECASE | re.MULTILINE)
-    if begins and ends:
-        return meshio.read(path, "nastran")
-    with tempfile.TemporaryDirectory() as folder:
-        whole = Path(folder) / "whole.bdf"
-        whole.write_text(f"{'' if begins else 'BEGIN BULK'}\n{text}\n{'' if ends else 'ENDDATA'}\n", encoding="latin-1")
-        return meshio.read(whole, "nastran")
+    begins, ends = (
+        re.search(rf"^\s*{word}", text, re.IGNORECASE | re.MULTILINE) for word in (r"BEGIN\s+BULK", "ENDDATA")
+    )
+    whole = f"{'' if begins else 'BEGIN BULK'}\n{text}\n{'' if ends else 'ENDDATA'}\n"
+    return meshio.read(io.StringIO(whole), "nastran")
 
 
 def _abaqus(path: Path) -> Any:
@@ -184,22 +181,7 @@ def _abaqus(path: Path) -> Any:
         text,
         flags=re.IGNORECASE | re.MULTILINE,
     )
-    if known == text:
-        return meshio.read(path, "abaqus")
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "deck.inp"
-        copy.write_text(known, encoding="latin-1")
-        return meshio.read(copy, "abaqus")
-
-
-def _med(path: Path) -> Any:
-    """A MED file, by gmsh if meshio cannot read it: without groups, or with 27-node hexahedra."""
-    import meshio
-
-    try:
-        return meshio.read(path, "med")
-    except KeyError:
-        return _through_gmsh(path)
+    return meshio.read(path if known == text else io.StringIO(known), "abaqus")
 
 
 def _through_gmsh(path: Path) -> Any:
@@ -228,7 +210,7 @@ _READERS = {
     ".inp": _abaqus,
     ".unv": _through_gmsh,
     ".mesh": _through_gmsh,
-    ".med": _med,
+    ".med": _through_gmsh,
 }
 
 
@@ -259,15 +241,10 @@ def _groups(mesh: Any, *, corners: int) -> tuple[dict[str, np.ndarray], dict[str
 
 def _named_cells(mesh: Any) -> Iterator[tuple[str, int, np.ndarray]]:
     """Name, block and cells of every group of cells."""
-    titles = {(int(tag), int(dim)): name for name, (tag, dim) in mesh.field_data.items()}
-    families = getattr(mesh, "cell_tags", {})  # of MED: names of every family, whose numbers are 0 or negative
+    titles = {(int(tag), int(dim)): name.strip() for name, (tag, dim) in mesh.field_data.items()}  # padded in MED
     for key, blocks in mesh.cell_data.items():
         for number, values in enumerate(blocks):
-            if np.ndim(values) != 1:
-                continue
-            if key == "cell_tags":
-                for tag in set(families) & set(np.unique(values).tolist()):
-                    yield from ((name, number, np.flatnonzero(values == tag)) for name in families[tag])
+            if np.ndim(values) != 1 or key == "gmsh:geometrical":
                 continue
             if key not in _IDENTIFIERS:
                 yield key, number, np.flatnonzero(values)
@@ -280,7 +257,7 @@ def _named_cells(mesh: Any) -> Iterator[tuple[str, int, np.ndarray]]:
             continue
         for number, cells in enumerate(blocks):
             if cells is not None and len(cells):
-                yield name, number, np.asarray(cells, np.int64)
+                yield name.strip(), number, np.asarray(cells, np.int64)
 
 
 def write_hexahedra(
@@ -299,23 +276,19 @@ def write_hexahedra(
     """
     import meshio
 
-    number = 1 + np.argmax(np.array(list(groups.values())), axis=0).astype(np.int32)
-    blocks = [("hexahedron", cells)]
-    kind = path.suffix.lower()
-    if kind == ".inp":
-        sets = {name: [np.flatnonzero(inside)] for name, inside in groups.items()}
-        mesh = meshio.Mesh(nodes, blocks, cell_sets=sets)
-    elif kind == ".bdf":
-        near = np.round(nodes, 10)  # smaller values need an exponent, for which the field of a coordinate has no room
-        mesh = meshio.Mesh(near, blocks, cell_data={"nastran:ref": [number]})
-    elif kind == ".msh":
-        titles = {name: np.array([place, 3]) for place, name in enumerate(groups, 1)}
-        tags = {"gmsh:physical": [number], "gmsh:geometrical": [number]}
-        mesh = meshio.Mesh(nodes, blocks, point_data=dict(fields), cell_data=tags, field_data=titles)
-    else:
-        mesh = meshio.Mesh(nodes, blocks, point_data=dict(fields), cell_data={"group": [number]})
-    formats = {".vtu": "vtu", ".inp": "abaqus", ".msh": "gmsh22", ".bdf": "nastran"}
-    mesh.write(path, file_format=formats[kind])
+    number = [1 + np.argmax(np.array(list(groups.values())), axis=0).astype(np.int32)]
+    titles = {name: np.array([place, 3]) for place, name in enumerate(groups, 1)}
+    tags = {"gmsh:physical": number, "gmsh:geometrical": number}
+    contents: dict[str, tuple[str, dict[str, Any]]] = {  # format and content of meshio
+        ".inp": ("abaqus", {"cell_sets": {name: [np.flatnonzero(inside)] for name, inside in groups.items()}}),
+        ".bdf": ("nastran", {"cell_data": {"nastran:ref": number}}),
+        ".msh": ("gmsh22", {"point_data": dict(fields), "cell_data": tags, "field_data": titles}),
+        ".vtu": ("vtu", {"point_data": dict(fields), "cell_data": {"group": number}}),
+    }
+    kind, data = contents[path.suffix.lower()]
+    if kind == "nastran":
+        nodes = np.round(nodes, 10)  # smaller values need an exponent, for which a coordinate has no room
+    meshio.Mesh(nodes, [("hexahedron", cells)], **data).write(path, file_format=kind)
 
 
 def write_fields(mesh: CasingMesh, fields: Mapping[str, np.ndarray], path: Path) -> None:

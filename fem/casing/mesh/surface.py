@@ -29,11 +29,25 @@ class Surface:
         corners = self.corners
         return 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
-    def parts(self, chosen: np.ndarray) -> list[np.ndarray]:
-        """The chosen facets as sets (indices) connected over edges, in the order of their first facet."""
+    @property
+    def normals(self) -> np.ndarray:
+        """Unit normal of each triangle (f, 3); 0 for one without area."""
+        vectors = self.area_vectors
+        return vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-300)[:, None]
+
+    def parts(self, chosen: np.ndarray, smooth: float = -2.0) -> list[np.ndarray]:
+        """The chosen facets as sets (indices) connected over edges, in the order of their first facet.
+
+        Parameters
+        ----------
+        chosen : bool (f,)
+        smooth : least cosine between the normals of connected facets
+        """
         facets = np.flatnonzero(chosen)
         if not len(facets):
             return []
-        one, two = shared_sides(self.triangles[facets])
-        label = connected_parts(len(facets), one // 3, two // 3)
+        one, two = (sides // 3 for sides in shared_sides(self.triangles[facets]))
+        normals = self.normals[facets]
+        joined = np.einsum("fd,fd->f", normals[one], normals[two]) > smooth
+        label = connected_parts(len(facets), one[joined], two[joined])
         return [facets[label == number] for number in range(label.max() + 1)]

@@ -73,13 +73,12 @@ class RigidRecovery(Stage):
 
     def build(self, *, mesh: CasingMesh | None = None) -> ReducedBody:
         """Six coordinates; `mesh` is that of the housing, if it needs one."""
-        from fem.casing.reduced.rigid_on_mounts import rigid_body, rigid_from_mesh
+        from fem.casing.reduced.rigid_on_mounts import rigid_body
 
         options = {key: value for key, value in vars(self).items() if key != "housing"}
-        if self.housing is not None:
-            return _counted(rigid_body(self.housing, **options))
-        assert mesh is not None, "one of both is known"
-        return _counted(rigid_from_mesh(mesh, **options))
+        body = mesh if self.housing is None else self.housing
+        assert body is not None, "one of both is known"
+        return _counted(rigid_body(body, **options))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -82,7 +82,7 @@ class CasingReduction(Stage):
             if found.failures:
                 raise CasingError(
                     f"casing: the reduced body fails the checks {', '.join(found.failures)}. Use a finer "
-                    f"casing.element_size_mm, or another casing model.\n{found.report(0)}"
+                    f"casing.element_size_mm, or another casing model.\n{found.report()}"
                 )
             if not self.quadratic:
                 return modes, found

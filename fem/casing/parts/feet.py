@@ -6,8 +6,10 @@ only at the bearings. With the constraint modes Psi and P, the inverse of E^T K 
 
     q = Psi u_b - P E^T M X a,    F = W (K E q + M X a) = (W K E Psi) u_b + W (M X - K E P E^T M X) a
 
-W sums the nodes of every foot along x, y, z; X moves the whole body by 1 along these axes. The second term is
-independent of the modes kept, so that the feet together always carry the whole weight.
+W sums the nodes of every foot along x, y, z; X moves the whole body by 1 along these axes. The first term is the force
+per displacement of the interface (3 feet, b), in N/m and N/rad. The second is the force per acceleration of the ground
+(3 feet, 3), in kg, with the interface held. It is independent of the modes kept, so that the feet together always carry
+the whole weight.
 """
 
 from __future__ import annotations
@@ -30,21 +32,3 @@ def foot_sums(unknowns: Sequence[np.ndarray], size: int) -> sp.csr_matrix:
     at = np.concatenate(unknowns)
     shared = np.bincount(at, minlength=size)
     return sp.csr_matrix((1.0 / shared[at], (rows, at)), shape=(len(unknowns), size))
-
-
-def clamped_reactions(
-    forces: sp.csr_matrix, inertia: np.ndarray, constraint: np.ndarray, displaced: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Force on the feet per displacement of the interface, and per acceleration of the ground.
-
-    The first is (3 feet, b) for b interface coordinates (N/m, N/rad); the second is (3 feet, 3) along x, y, z with the
-    interface held (kg).
-
-    Parameters
-    ----------
-    forces : W K E (3 feet, q), N/m
-    inertia : W M X (3 feet, 3), kg, of the free body
-    constraint : Psi (q, b)
-    displaced : P E^T M X (q, 3), m, displacements of the held body
-    """
-    return forces @ constraint, inertia - forces @ displaced

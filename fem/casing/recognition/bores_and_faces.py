@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import groupby, pairwise
+from itertools import combinations, groupby, pairwise
 
 import numpy as np
 
+from fem.casing.mesh.surface import Surface
 from fem.casing.recognition.cylinders import Cylinder, fitted_cylinder, is_flat, turn
 from fem.casing.recognition.housing_contents import BoltPattern, FlatFace, FoundBore
+from fem.numerics.connected_parts import connected_parts
 from fem.numerics.fitted_circle import fitted_circle
 
 _SAME_AXIS = 2e-5  # m, and
@@ -31,8 +33,8 @@ def faces_of(
     points, triangles : of the surface, (n, 3) m and (t, 3), seen from outside counter-clockwise
     face, solid : int (t,), number of the face and of the solid of every triangle
     """
-    corners = points[triangles]
-    vectors = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    surface = Surface(points, triangles)
+    corners, vectors = surface.corners, surface.area_vectors
     order = np.argsort(face, kind="stable")
     cylinders: list[tuple[Cylinder, int]] = []
     flats: list[FlatFace] = []
@@ -55,22 +57,15 @@ def _flat(corners: np.ndarray, vectors: np.ndarray, solid: int) -> FlatFace:
 
 def _bores(cylinders: Sequence[tuple[Cylinder, int]]) -> list[FoundBore]:
     """Merge cylindrical faces of one axis and radius that touch along it."""
-    rest, found = list(cylinders), []
-    while rest:
-        first, solid = rest.pop(0)
-        own = [first.corners]
-        low, high = _span(first.corners, first)
-        grown = True
-        while grown:
-            grown = False
-            for other in list(rest):
-                start, end = _span(other[0].corners, first)
-                if _same(first, other[0]) and start < high + _SAME_AXIS and end > low - _SAME_AXIS:
-                    own.append(other[0].corners)
-                    low, high = min(low, start), max(high, end)
-                    rest.remove(other)
-                    grown = True
-        angle = turn(np.vstack(own), first.point, first.axis)
+    several = combinations(enumerate(cylinders), 2)
+    pairs = np.array([(i, j) for (i, (one, _)), (j, (two, _)) in several if _same(one, two)], int).reshape(-1, 2)
+    label, found = connected_parts(len(cylinders), pairs[:, 0], pairs[:, 1]), []
+    for part in np.unique(label):
+        own = [cylinders[i] for i in np.flatnonzero(label == part).tolist()]
+        first, solid = own[0]
+        corners = np.vstack([one.corners for one, _ in own])
+        low, high = _span(corners, first)
+        angle = turn(corners, first.point, first.axis)
         if angle >= _LEAST_ANGLE:
             sign = math.copysign(1.0, first.axis[np.abs(first.axis).argmax()])
             centre = first.point + 0.5 * (low + high) * first.axis
@@ -88,12 +83,16 @@ def _span(corners: np.ndarray, along: Cylinder) -> tuple[float, float]:
 
 
 def _same(one: Cylinder, two: Cylinder) -> bool:
+    """Whether two faces have one axis and one radius, and touch along the axis."""
     if abs(one.axis @ two.axis) < _PARALLEL or abs(one.radius - two.radius) > _SAME_RADIUS * one.radius:
         return False
     middle = two.corners.mean(axis=0)
     on_two = two.point + two.axis * ((middle - two.point) @ two.axis)
     offset = on_two - one.point
-    return float(np.linalg.norm(offset - one.axis * (offset @ one.axis))) < max(_SAME_AXIS, 2e-3 * one.radius)
+    if np.linalg.norm(offset - one.axis * (offset @ one.axis)) >= max(_SAME_AXIS, 2e-3 * one.radius):
+        return False
+    (low, high), (start, end) = _span(one.corners, one), _span(two.corners, one)
+    return start < high + _SAME_AXIS and end > low - _SAME_AXIS
 
 
 def bolt_patterns(bores: Sequence[FoundBore]) -> tuple[BoltPattern, ...]:

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.numerics.fitted_circle import kasa_circle
+
 _PERPENDICULAR = 0.01  # largest mean square cosine between the normals and the axis
 _ROUND = 0.004  # of the radius, largest deviation of a corner
 _LEAST_TURN = 0.003  # least second eigenvalue: about 20 degrees of a cylinder
@@ -66,11 +68,7 @@ def _refined(points: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray, np.ndarr
         return None
     local = (points - origin) / size
     across = np.linalg.svd(axis[None])[2][1:]
-    flat = local @ across.T
-    system = np.column_stack([flat, np.ones(len(flat))])
-    solution = np.linalg.lstsq(system, (flat**2).sum(axis=1), rcond=None)[0]
-    centre = solution[:2] / 2
-    square = solution[2] + (centre**2).sum()
+    centre, square, _ = kasa_circle(local @ across.T)
     if not 0.0 < square < 1e6:
         return None
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fem.casing.mesh.surface import Surface
 from fem.numerics.connected_parts import connected_parts, shared_sides
 
 _PLANE = np.cos(np.radians(0.5))
@@ -18,24 +19,23 @@ _SHARP_BORDER = 0.5  # of its boundary: a narrower set is a flat face if this sh
 
 def split(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Number (t,) of the face of every triangle of a closed surface: points (n, 3), triangles (t, 3)."""
-    corners = points[triangles]
-    vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals = vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-300)[:, None]
+    surface = Surface(points, triangles)
+    corners, normals = surface.corners, surface.normals
     sides, others = shared_sides(triangles)
     one, two = sides // 3, others // 3
     length = np.linalg.norm(corners[one, sides % 3] - corners[one, (sides + 1) % 3], axis=1)
     cosine = np.einsum("kd,kd->k", normals[one], normals[two])
     even = cosine > _PLANE
     coplanar = connected_parts(len(triangles), one[even], two[even])
-    flat = _flat_parts(points, triangles, coplanar, one, two, length, cosine)
+    area = np.linalg.norm(surface.area_vectors, axis=1)
+    flat = _flat_parts(area, coplanar, one, two, length, cosine)
     is_flat = flat[coplanar]
     joined = (cosine > _SMOOTH) & ~is_flat[one] & ~is_flat[two] | (coplanar[one] == coplanar[two])
     return connected_parts(len(triangles), one[joined], two[joined])
 
 
 def _flat_parts(
-    points: np.ndarray,
-    triangles: np.ndarray,
+    area: np.ndarray,
     part: np.ndarray,
     one: np.ndarray,
     two: np.ndarray,
@@ -50,10 +50,7 @@ def _flat_parts(
     for side in (one, two):
         np.add.at(around, part[side[border]], length[border])
         np.add.at(cut, part[side[sharp]], length[sharp])
-    vectors = np.cross(
-        points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]]
-    )
-    area = np.bincount(part, weights=0.5 * np.linalg.norm(vectors, axis=1), minlength=count)
-    width = 2.0 * area / np.maximum(around, 1e-300)  # of a long strip
+    total = np.bincount(part, weights=area, minlength=count)
+    width = 2.0 * total / np.maximum(around, 1e-300)  # of a long strip
     edge = float(np.median(length))
     return (width > _REACH * edge) | (cut > _SHARP_BORDER * around) & (np.bincount(part, minlength=count) > 1)

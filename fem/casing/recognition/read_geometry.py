@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fem.casing.mesh.cad_file import closed_triangles, declared_unit, import_solids, open_place, touching
-from fem.casing.mesh.gmsh_session import numbered_nodes, session
+from fem.casing.mesh.gmsh_session import face_triangles, numbered_nodes, session
 from fem.casing.mesh.imported_housing import CAD_SUFFIXES, STL_SUFFIXES, UNITS
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file
@@ -97,15 +97,12 @@ def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.nda
     points = points / MM
     triangles, face, solid = [], [], []
     for number, tag in enumerate(tags, 1):
-        own, of_face = [], []
-        for _, surface in gmsh.model.getBoundary([(3, tag)], oriented=False):
-            for corners in gmsh.model.mesh.getElements(2, surface)[2]:
-                own.append(place[corners.reshape(-1, 3)])
-                of_face.append(np.full(len(own[-1]), surface))
-        if not own:
+        faces = [surface for _, surface in gmsh.model.getBoundary([(3, tag)], oriented=False)]
+        own, of_face = face_triangles(gmsh, faces, place)
+        if not len(own):
             raise MeshError(f"solid {number} has no face that can be shown; correct it in the CAD program")
-        triangles.append(outward(points, np.vstack(own)))
-        face.append(np.concatenate(of_face))
+        triangles.append(outward(points, own))
+        face.append(of_face)
         solid.append(np.full(len(triangles[-1]), number))
     return points, np.vstack(triangles), np.concatenate(face), np.concatenate(solid)
 

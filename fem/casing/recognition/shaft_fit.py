@@ -66,12 +66,7 @@ class ShaftFit:
         return self.origin + points @ self.axes
 
 
-@dataclass(frozen=True, eq=False)
-class _Line:
-    """Bores about one axis through `point` along the common direction."""
-
-    point: np.ndarray
-    bores: tuple[FoundBore, ...]
+_Line = tuple[np.ndarray, list[FoundBore]]  # bores about one axis along the common direction, and its point
 
 
 def fit_shafts(bores: Sequence[FoundBore], shafts: Sequence[FittedShaft]) -> ShaftFit | None:
@@ -112,7 +107,7 @@ def _directions(bores: Sequence[FoundBore]) -> list[np.ndarray]:
 
 
 def _lines(bores: Sequence[FoundBore], axis: np.ndarray) -> list[_Line]:
-    lines: list[tuple[np.ndarray, list[FoundBore]]] = []
+    lines: list[_Line] = []
     for bore in bores:
         if abs(bore.axis @ axis) < _PARALLEL:
             continue
@@ -123,7 +118,7 @@ def _lines(bores: Sequence[FoundBore], axis: np.ndarray) -> list[_Line]:
                 break
         else:
             lines.append((across, [bore]))
-    return [_Line(point, tuple(own)) for point, own in lines]
+    return lines
 
 
 def _fits(lines: Sequence[_Line], axis: np.ndarray, shafts: Sequence[FittedShaft]) -> Iterator[ShaftFit]:
@@ -140,15 +135,15 @@ def _turns(
     """Rotations `axes` (3, 3) and origins (3,), the latter without their part along y."""
     if len(shafts) == 1:
         turn = _nearest_turn(y)
-        for line in lines:
-            yield turn, np.array([shafts[0].x, 0.0, shafts[0].z]) - (line.point @ turn) * [1.0, 0.0, 1.0]
+        for point, _ in lines:
+            yield turn, np.array([shafts[0].x, 0.0, shafts[0].z]) - (point @ turn) * [1.0, 0.0, 1.0]
         return
     places = np.array([[shaft.x, shaft.z] for shaft in shafts])
     apart = np.linalg.norm(places[:, None] - places[None], axis=2)
     one, two = np.unravel_index(int(apart.argmax()), apart.shape)
     wanted = float(apart[one, two])
-    for first, second in permutations(lines, 2):
-        span = second.point - first.point
+    for (first, _), (second, _) in permutations(lines, 2):
+        span = second - first
         if abs(np.linalg.norm(span) - wanted) > max(OFF, OFF_SHARE * wanted):
             continue
         step = (places[two] - places[one]) / wanted
@@ -158,7 +153,7 @@ def _turns(
         machine = np.array([[step[0], 0.0, step[1]], [0.0, 1.0, 0.0], [-step[1], 0.0, step[0]]])
         turn = file_frame.T @ machine
         middle = 0.5 * (places[one] + places[two])
-        at = 0.5 * (first.point + second.point) @ turn
+        at = 0.5 * (first + second) @ turn
         yield turn, np.array([middle[0] - at[0], 0.0, middle[1] - at[2]])
 
 
@@ -179,10 +174,10 @@ def _along(
     """The fit shifted along y so that most bearings are in seats."""
     of_shaft: list[tuple[float, list[tuple[FoundBore, float]]]] = []
     for shaft in shafts:
-        at = np.array([line.point @ turn + place for line in lines])
+        at = np.array([point @ turn + place for point, _ in lines])
         distance = np.hypot(at[:, 0] - shaft.x, at[:, 2] - shaft.z)
         for number in np.argsort(distance):
-            seats = [bore for bore in lines[number].bores if bore.diameter > shaft.diameter]
+            seats = [bore for bore in lines[number][1] if bore.diameter > shaft.diameter]
             if seats:
                 break
         if not seats or distance[number] > OFF + OFF_SHARE * math.hypot(shaft.x, shaft.z):

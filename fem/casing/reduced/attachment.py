@@ -38,10 +38,8 @@ def mean_motion_rows(nodes: np.ndarray, facets: np.ndarray, centre: np.ndarray) 
 
     Raises
     ------
-    AttachmentError : the patch is empty or too small to define a rotation (a line or a point)
+    AttachmentError : the patch is too small to define a rotation (a line or a point)
     """
-    if not len(facets):
-        raise AttachmentError(f"patch at {in_mm(centre)} has no facet; refine the mesh")
     values, places, area = surface_weights(nodes, facets)
     motion = rigid_body_modes(places.reshape(-1, 3), centre).reshape(*area.shape, 3, 6)
     gram = np.einsum("fq,fqdi,fqdj->ij", area, motion, motion, optimize=True)

@@ -15,7 +15,7 @@ import numpy as np
 
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.parts.casing_choices import MOUNTS, DampingRatio
-from fem.casing.parts.feet import clamped_reactions, foot_sums
+from fem.casing.parts.feet import foot_sums
 from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.damping import energy_shares, modal_damping
 from fem.casing.reduced.fewer_modes import ModeSet, fewest_modes, kept
@@ -96,11 +96,7 @@ class CasingModes(Record):
             )
         if not (np.isfinite(rows).all() and (rows > 0.0).all()):
             raise ValueError(f"mount stiffness is {rows.min():g} N/m; every mount needs a positive one in x, y and z")
-        rows = np.broadcast_to(rows, (len(feet), 3))
-        for place, name in enumerate(self.interface_names):
-            point, axis = name.split(":")
-            if point in feet:
-                out[place] = rows[feet.index(point), GROUND_AXES.index(axis)]
+        out[: 3 * len(feet)] = np.broadcast_to(rows, (len(feet), 3)).ravel()  # the feet are the first points
         return out
 
 
@@ -155,7 +151,7 @@ def _of_parts(casing: AssembledCasing, reduction: Reduction) -> np.ndarray:
 
 
 def _clamped_feet(casing: AssembledCasing, reduction: Reduction) -> tuple[np.ndarray, np.ndarray]:
-    """Results of `clamped_reactions`; zeros for feet on springs."""
+    """The two terms of `fem.casing.parts.feet`; zeros for feet on springs."""
     mesh, displaced = casing.mesh, reduction.loaded[:, -3:]
     feet = [np.unique(mesh.patch(name)) for name in mesh.patches("ground_")]
     if casing.ground == "springs":
@@ -163,7 +159,7 @@ def _clamped_feet(casing: AssembledCasing, reduction: Reduction) -> tuple[np.nda
     sums = foot_sums([3 * nodes + axis for nodes in feet for axis in range(3)], len(casing.inertial))
     forces = sums[:, casing.clamped] @ casing.K_clamped @ casing.expansion
     displaced = displaced - reduction.constraint @ (casing.rows @ displaced)
-    return clamped_reactions(forces, sums @ casing.inertial[:, :3], reduction.constraint, displaced)
+    return forces @ reduction.constraint, sums @ casing.inertial[:, :3] - forces @ displaced
 
 
 def _expanded(casing: AssembledCasing, reduction: Reduction) -> np.ndarray:
@@ -286,10 +282,8 @@ def _foot_rows(modes: CasingModes, springs: np.ndarray, factor: float, size: int
     """Force (3 feet, coordinate) of the ground on the feet: through clamped nodes, or through mounts."""
     rows = np.zeros((len(modes.foot_stiffness), size))
     rows[:, : len(springs)] = factor * modes.foot_stiffness
-    feet = [name for name in modes.point_names if name.startswith("ground_")]
-    for place in np.flatnonzero(springs):
-        point, axis = modes.interface_names[place].split(":")
-        rows[3 * feet.index(point) + GROUND_AXES.index(axis), place] -= springs[place]
+    at = np.flatnonzero(springs)  # of the feet along x, y, z, the first coordinates
+    rows[at, at] -= springs[at]
     return rows
 
 

@@ -28,37 +28,21 @@ from fem.elements.solids import rigid_body_modes
 from fem.storage.records import Record, array, names, scalar
 
 _VECTORS = 4  # random sign vectors, for checks of matrix blocks
-_LIMITS = {
-    "stiffness_asymmetry": 1e-12,
-    "mass_asymmetry": 1e-12,
-    "grounding": 1e-9,
-    "rigid_from_stiffness": 1e-6,
-    "rigid_eigenvalue": 1e-6,
-    "mass_error": 1e-9,
-    "centre_error": 1e-9,
-    "inertia_error": 1e-8,
-    "reaction_error": 1e-7,
-    "reduced_mass_definite": 1.0,
-    "reduced_stiffness_definite": 1.0,
-    "modal_mass_identity": 1e-8,
-    "interface_to_modes": 1e-6,
-    "static_response": 1e-8,
-}
-_MEANING = {
-    "stiffness_asymmetry": "max |(K - K^T) x| over max |K|, x of random signs",
-    "mass_asymmetry": "max |(M - M^T) x| over max |M|, x of random signs",
-    "grounding": "max |K R| over max |K| max |R|: a rigid motion needs no force",
-    "rigid_from_stiffness": "rigid motion of the feet carries the body rigidly, largest relative deviation",
-    "rigid_eigenvalue": "sixth over seventh eigenvalue of the free body condensed to its feet",
-    "mass_error": "mass from R^T M R against the mesh integral",
-    "centre_error": "centre of gravity, the same, over the radius of gyration",
-    "inertia_error": "inertia tensor, the same",
-    "reaction_error": "reaction of the feet to gravity against the weight",
-    "reduced_mass_definite": "number of eigenvalues of the reduced mass that are not positive",
-    "reduced_stiffness_definite": "number of eigenvalues of the reduced stiffness that are not positive",
-    "modal_mass_identity": "max |Phi^T M Phi x - x| of the modes, x of random signs",
-    "interface_to_modes": "max |Phi^T K Psi x| of modes and constraint modes, relative, x of random signs",
-    "static_response": "interface response to gravity along x, y, z, reduced against full model",
+_ITEMS = {  # limit and meaning of every item
+    "stiffness_asymmetry": (1e-12, "max |(K - K^T) x| over max |K|, x of random signs"),
+    "mass_asymmetry": (1e-12, "max |(M - M^T) x| over max |M|, x of random signs"),
+    "grounding": (1e-9, "max |K R| over max |K| max |R|: a rigid motion needs no force"),
+    "rigid_from_stiffness": (1e-6, "rigid motion of the feet carries the body rigidly, largest relative deviation"),
+    "rigid_eigenvalue": (1e-6, "sixth over seventh eigenvalue of the free body condensed to its feet"),
+    "mass_error": (1e-9, "mass from R^T M R against the mesh integral"),
+    "centre_error": (1e-9, "centre of gravity, the same, over the radius of gyration"),
+    "inertia_error": (1e-8, "inertia tensor, the same"),
+    "reaction_error": (1e-7, "reaction of the feet to gravity against the weight"),
+    "reduced_mass_definite": (1.0, "number of eigenvalues of the reduced mass that are not positive"),
+    "reduced_stiffness_definite": (1.0, "number of eigenvalues of the reduced stiffness that are not positive"),
+    "modal_mass_identity": (1e-8, "max |Phi^T M Phi x - x| of the modes, x of random signs"),
+    "interface_to_modes": (1e-6, "max |Phi^T K Psi x| of modes and constraint modes, relative, x of random signs"),
+    "static_response": (1e-8, "interface response to gravity along x, y, z, reduced against full model"),
 }
 
 
@@ -66,55 +50,30 @@ _MEANING = {
 class CheckUp(Record):
     """Deviations of a reduced casing from exact properties; all relative unless stated."""
 
-    stiffness_asymmetry: float = scalar(units="1")
-    mass_asymmetry: float = scalar(units="1")
-    grounding: float = scalar(units="1")
-    rigid_from_stiffness: float = scalar(units="1")
-    rigid_eigenvalue: float = scalar(units="1")
-    mass_error: float = scalar(units="1")
-    centre_error: float = scalar(units="1")
-    inertia_error: float = scalar(units="1")
-    reaction_error: float = scalar(units="1")
-    reduced_mass_definite: float = scalar(units="1")
-    reduced_stiffness_definite: float = scalar(units="1")
-    modal_mass_identity: float = scalar(units="1")
-    interface_to_modes: float = scalar(units="1")
-    static_response: float = scalar(units="1")
+    item_names: tuple[str, ...] = names("item")  # of `_ITEMS`
+    items: np.ndarray = array("item", units="1")
     mass: float = scalar(units="kg")
     centre: np.ndarray = array("axis", units="m")
     inertia: np.ndarray = array("axis", "axis", units="kg m2")
     frequencies: np.ndarray = array("mode", units="Hz")  # of the grounded reduced body
-    effective_mass: np.ndarray = array("mode", "motion", units="SI")  # kg and, about the centre, kg m2
-    movable: np.ndarray = array("motion", units="SI")  # mass and inertia outside clamped nodes
-    limit_names: tuple[str, ...] = names("limit")
 
     @property
     def failures(self) -> tuple[str, ...]:
         """Names of the items beyond their limits."""
-        return tuple(name for name in self.limit_names if not getattr(self, name) < _LIMITS[name])
+        found = zip(self.item_names, self.items, strict=True)
+        return tuple(name for name, value in found if not value < _ITEMS[name][0])
 
-    def report(self, n_modes: int = 10) -> str:
-        """The check-up as text: every item with its limit, then mass properties and the first modes."""
+    def report(self) -> str:
+        """The check-up as text: every item with its limit, then mass properties."""
         lines = ["Checks of the reduced casing"]
-        for name in self.limit_names:
-            value = getattr(self, name)
-            verdict = "ok  " if value < _LIMITS[name] else "FAIL"
-            lines.append(f"  {verdict} {name:<27} {value:9.2e}  (limit {_LIMITS[name]:.0e})  {_MEANING[name]}")
+        for name, value in zip(self.item_names, self.items, strict=True):
+            limit, meaning = _ITEMS[name]
+            verdict = "ok  " if value < limit else "FAIL"
+            lines.append(f"  {verdict} {name:<27} {value:9.2e}  (limit {limit:.0e})  {meaning}")
         x, y, z = 1000 * self.centre
         lines.append(f"  mass {self.mass:.6g} kg, centre of gravity ({x:.6g}, {y:.6g}, {z:.6g}) mm")
         lines.append("  inertia about it (kg m2): " + "; ".join(" ".join(f"{v:.5g}" for v in r) for r in self.inertia))
-        if n_modes:
-            lines += self._mode_lines(n_modes)
         return "\n".join(lines)
-
-    def _mode_lines(self, n_modes: int) -> list[str]:
-        lines = ["  grounded modes: Hz, effective mass in x y z in percent of the movable mass"]
-        share = 100.0 * self.effective_mass[:, :3] / self.movable[:3]
-        for number in range(min(n_modes, len(self.frequencies))):
-            words = " ".join(f"{v:6.2f}" for v in share[number])
-            lines.append(f"    {number + 1:3d} {self.frequencies[number]:10.2f}  {words}")
-        total = " ".join(f"{v:6.2f}" for v in share.sum(axis=0))
-        return [*lines, f"    all {len(self.frequencies)} modes   {total}"]
 
 
 def check_up(casing: AssembledCasing, reduction: Reduction) -> CheckUp:
@@ -122,20 +81,18 @@ def check_up(casing: AssembledCasing, reduction: Reduction) -> CheckUp:
     mass, centre, inertia = casing.mass_properties
     R, MR = casing.rigid, casing.inertial
     held = on_springs(reduction.stiffness, casing.springs)
-    frequencies, phi = undamped_modes(held, reduction.mass)
-    force = casing.expansion.T @ MR
-    effective = (phi.T @ reduction.projected(force)) ** 2
-    return CheckUp(
+    items = {
         **casing.free_body,
         **_rigid_items(casing, reduction, R, MR, mass, inertia),
-        **_reduced_items(casing, reduction, held, force[:, :3]),
+        **_reduced_items(casing, reduction, held, casing.expansion.T @ MR[:, :3]),
+    }
+    return CheckUp(
+        item_names=tuple(items),
+        items=np.array(list(items.values())),
         mass=mass,
         centre=centre,
         inertia=inertia,
-        frequencies=frequencies,
-        effective_mass=effective,
-        movable=casing.movable,
-        limit_names=tuple(_LIMITS),
+        frequencies=undamped_modes(held, reduction.mass)[0],
     )
 
 

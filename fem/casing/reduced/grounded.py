@@ -12,11 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.enrichment.added_unknowns import KINDS_APART, AddedUnknowns, added_functions, extended
+from fem.casing.enrichment.added_unknowns import KINDS_APART, AddedUnknowns, added_functions
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.parts.bolted_joint import BoltedJoint, joint_stiffness
@@ -24,7 +25,7 @@ from fem.casing.parts.casing_choices import FEWEST_MOUNTS, JOINTS, Attachment, G
 from fem.casing.parts.regions import Region, elements_inside
 from fem.casing.parts.split_mesh import split_mesh
 from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
-from fem.casing.reduced.halves import Places, Subspace, projected, subspaces_of, together
+from fem.casing.reduced.halves import Subspace, projected, subspaces_of, together
 from fem.casing.reduced.reduced_body import BEARING_AXES
 from fem.casing.reduced.reduction import largest_entry
 from fem.elements.materials import Material
@@ -57,9 +58,8 @@ class AssembledCasing:
     rigid: np.ndarray  # R (u, 6), unit translations and rotations about the centre of gravity; 0 in added unknowns
     inertial: np.ndarray  # M R (u, 6)
     free_body: Mapping[str, float]  # items of `fem.casing.reduced.checkup.CheckUp` from the matrices of the free body
-    movable: np.ndarray  # (6,), mass and inertia outside clamped nodes, SI
     clamped: np.ndarray  # of the unknowns; empty on springs
-    added: Places  # positions of all nodes and added unknowns
+    added: AddedUnknowns
     coordinate_names: tuple[str, ...]  # of the interface, "ground_1:ux", ..., "bearing_1:ux", ...
     rows: sp.csr_matrix  # of the interface (interface, n)
     springs: np.ndarray  # (interface,), reference springs D, N/m; zero except at feet on springs
@@ -162,75 +162,82 @@ def assembled_casing(
         nodes, rigid patches that share nodes
     MeshError : unknown patch, an empty region or one that shares elements, a joint that does not fit the mesh
     """
-    split = None if joint is None else split_mesh(mesh, joint.plane)
-    mesh = mesh if split is None else split.mesh
-    feet = mesh.patches("ground_")
-    if not feet:
-        raise AttachmentError("casing mesh has no patch ground_1, ...; name at least one foot")
-    if interfaces is None:
-        interfaces = dict.fromkeys(mesh.patches("bearing_"), BEARING_AXES)
-    on_springs = ground == "springs"
-    if on_springs and len(feet) < FEWEST_MOUNTS:
-        raise AttachmentError(few_feet(len(feet)))
-    points = (dict.fromkeys(feet, GROUND_AXES) if on_springs else {}) | dict(interfaces)
-    held = np.unique(np.concatenate([mesh.patch(name).ravel() for name in feet]))
-    for name in interfaces:
-        if np.isin(mesh.patch(name), held).any():
-            raise AttachmentError(f"{name} shares nodes with a foot; move the foot or the bore")
-    clamped_nodes = held[:0] if on_springs else held
-    joined = () if split is None else (split.below, split.above)
+    joined: tuple[np.ndarray, ...] = ()
+    bolts = None
+    if joint is not None:
+        split = split_mesh(mesh, joint.plane)
+        mesh, joined, bolts = split.mesh, (split.below, split.above), joint_stiffness(joint, split, material)
+    points, clamped_nodes = _supported(mesh, interfaces, ground)
     added = added_functions(
         mesh,
         material,
-        held=() if on_springs else feet,
+        held=mesh.patches("ground_") if ground == "fixed" else (),
         rigid=points if attachment == "rigid" else (),
         joined=joined,
     )
     K, M = added.matrices()
-    bolts = None if split is None or joint is None else extended(joint_stiffness(joint, split, material), K.shape[0])
-    K = K if bolts is None else sp.csr_matrix(K + bolts)
-    expansion, rows, names = _tied(mesh, points, forced, attachment, clamped_nodes, len(added))
-    parts = {name: projected(part, expansion) for name, part in _parts(mesh, regions, added).items()}
+    parts = _parts(mesh, regions, added)
     if bolts is not None:
-        parts[JOINTS] = projected(bolts, expansion)
+        bolts.resize(K.shape)
+        K, parts[JOINTS] = sp.csr_matrix(K + bolts), bolts
+    expansion, rows, names = _tied(mesh, points, forced, attachment, clamped_nodes, len(added))
+    parts = {name: projected(part, expansion) for name, part in parts.items()}
     give_back()
     reference = material.elastic_modulus * mesh.element_size
     springs = np.array([reference if name.startswith("ground_") else 0.0 for name in names])
-    places, clamped = Places(mesh.nodes, added.places, added.numbers), unknowns_of(clamped_nodes)
-    centre = mass_properties(mesh.nodes, mesh.elements, material.density)[1]
-    R = np.vstack([rigid_body_modes(mesh.nodes, centre), np.zeros((len(added), 6))])
-    moving = R.copy()
-    moving[clamped] = 0.0
+    clamped = unknowns_of(clamped_nodes)
     return AssembledCasing(
         mesh=mesh,
         material=material,
         ground=ground,
         attachment=attachment,
         subspaces=subspaces_of(
-            places if divided and attachment == "mean" else None,
+            added if divided and attachment == "mean" else None,
             K,
             M,
             rows,
             expansion=expansion,
-            penalty=springs if on_springs else None,
+            penalty=springs if ground == "springs" else None,
         ),
         expansion=expansion,
         K_clamped=K[clamped],
-        rigid=R,
-        inertial=M @ R,
-        free_body={
-            "stiffness_asymmetry": asymmetry(K),
-            "mass_asymmetry": asymmetry(M),
-            "grounding": float(abs(K @ R).max() / (largest_entry(K) * abs(R).max())),
-        },
-        movable=np.einsum("im,im->m", moving, M @ moving),
         clamped=clamped,
-        added=places,
+        added=added,
         coordinate_names=names,
         rows=rows,
         springs=springs,
         parts=parts,
+        **_of_free_body(mesh, material, K, M),
     )
+
+
+def _supported(
+    mesh: CasingMesh, interfaces: Mapping[str, Sequence[str]] | None, ground: Ground
+) -> tuple[dict[str, Sequence[str]], np.ndarray]:
+    """Attached patches with the axes of their points, and the clamped nodes; raises as `assembled_casing`."""
+    feet = mesh.patches("ground_")
+    if not feet:
+        raise AttachmentError("casing mesh has no patch ground_1, ...; name at least one foot")
+    if ground == "springs" and len(feet) < FEWEST_MOUNTS:
+        raise AttachmentError(few_feet(len(feet)))
+    points = dict(dict.fromkeys(mesh.patches("bearing_"), BEARING_AXES) if interfaces is None else interfaces)
+    held = np.unique(mesh.facets_of(feet))
+    for name in points:
+        if np.isin(mesh.patch(name), held).any():
+            raise AttachmentError(f"{name} shares nodes with a foot; move the foot or the bore")
+    if ground == "springs":
+        return {**dict.fromkeys(feet, GROUND_AXES), **points}, held[:0]
+    return points, held
+
+
+def _of_free_body(mesh: CasingMesh, material: Material, K: sp.csr_matrix, M: sp.csr_matrix) -> dict[str, Any]:
+    """Fields of `AssembledCasing` from the rigid motions of the free body."""
+    centre = mass_properties(mesh.nodes, mesh.elements, material.density)[1]
+    R = np.zeros((K.shape[0], 6))
+    R[: 3 * len(mesh.nodes)] = rigid_body_modes(mesh.nodes, centre)
+    grounding = float(abs(K @ R).max() / (largest_entry(K) * abs(R).max()))
+    items = {"stiffness_asymmetry": asymmetry(K), "mass_asymmetry": asymmetry(M), "grounding": grounding}
+    return {"rigid": R, "inertial": M @ R, "free_body": items}
 
 
 def asymmetry(matrix: sp.csr_matrix) -> float:

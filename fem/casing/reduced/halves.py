@@ -24,10 +24,11 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 from scipy.spatial import cKDTree
 
+from fem.casing.enrichment.added_unknowns import AddedUnknowns
 from fem.casing.reduced.lanczos import EigenError, block_lanczos
 from fem.casing.reduced.reduction import Reduction, held_interface, largest_entry, reduce_body
 from fem.casing.reduced.sturm_count import count_fixed_modes
-from fem.numerics.linear_solver import Solver, factorize
+from fem.numerics.linear_solver import factorize
 from fem.numerics.memory import give_back
 from fem.numerics.unknowns import unknowns_of
 
@@ -87,17 +88,8 @@ class _Reflection:
         return Q
 
 
-@dataclass(frozen=True, eq=False)
-class Places:
-    """Positions of the unknowns u: three at every node, then the added ones."""
-
-    nodes: np.ndarray  # (n, 3), m
-    functions: np.ndarray  # (m, 3), m, those of `fem.casing.enrichment.added_unknowns.AddedUnknowns`
-    numbers: np.ndarray  # (m,)
-
-
 def subspaces_of(
-    places: Places | None,
+    added: AddedUnknowns | None,
     K: sp.csr_matrix,
     M: sp.csr_matrix,
     rows: sp.csr_matrix,
@@ -109,14 +101,14 @@ def subspaces_of(
 
     Parameters
     ----------
-    places : positions of the unknowns u; None: no search for a mirror plane
+    added : the unknowns u beyond those of the nodes; None: no search for a mirror plane
     K, M : sparse (u, u), stiffness and mass in SI
     rows, penalty : those of `fem.casing.reduced.reduction.held_interface`
-    expansion : E (u, n), a selection of unknowns if `places` are given
+    expansion : E (u, n), a selection of unknowns if `added` is given
     """
-    for axis in range(3) if places is not None else ():
-        assert places is not None
-        reflection = _reflection(places, axis, K, expansion.tocsc().indices)
+    for axis in range(3) if added is not None else ():
+        assert added is not None
+        reflection = _reflection(added, axis, K, expansion.tocsc().indices)
         if reflection is None or not all(_unchanged(matrix, reflection, expansion) for matrix in (K, M)):
             continue
         turned = _of_interface(rows, reflection)
@@ -150,7 +142,6 @@ def reduced_and_counted(
     *,
     highest: float | None,
     count: int = 0,
-    solver: Solver = "auto",
 ) -> tuple[Reduction, int]:
     """Reduce a body one subspace at a time; the number of modes is verified by a Sturm-sequence count.
 
@@ -160,7 +151,6 @@ def reduced_and_counted(
     loads : (n, l), those of `held_interface`
     highest : Hz, every mode up to it, with the inertia correction; or None:
     count : number of modes of every subspace, not verified; 0: static condensation
-    solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------
@@ -169,7 +159,7 @@ def reduced_and_counted(
 
     def reduced(one: Subspace) -> tuple[Reduction, int]:
         give_back()  # the factor of the subspace before
-        held = held_interface(one.K, one.rows, penalty=one.penalty, loads=one.motions.T @ loads, solver=solver)
+        held = held_interface(one.K, one.rows, penalty=one.penalty, loads=one.motions.T @ loads)
         if highest is None:
             return reduce_body(held, one.K, one.M, count=count, enrich=count > 0), 0
         counted = count_fixed_modes(held, one.K, one.M, highest)
@@ -215,13 +205,13 @@ def lowest(subspaces: Sequence[Subspace], count: int) -> tuple[np.ndarray, np.nd
     return theta[order], np.hstack(vectors)[:, order]
 
 
-def _reflection(places: Places, axis: int, K: sp.csr_matrix, chosen: np.ndarray) -> _Reflection | None:
+def _reflection(added: AddedUnknowns, axis: int, K: sp.csr_matrix, chosen: np.ndarray) -> _Reflection | None:
     """The reflection of the chosen unknowns about the centre of the body; None if some have no image."""
-    low, high = places.nodes.min(axis=0), places.nodes.max(axis=0)
+    nodes = added.edges.mesh.nodes
+    low, high = nodes.min(axis=0), nodes.max(axis=0)
     near = _SAME * float(np.linalg.norm(high - low))
-    nodes = places.nodes
     image = _images(nodes, low[axis] + high[axis], axis, near)
-    numbered = np.column_stack([places.functions, places.numbers])  # the number separates those of one node
+    numbered = np.column_stack([added.places, added.numbers])  # the number separates those of one node
     other = _images(numbered, low[axis] + high[axis], axis, near)
     if image is None or other is None:
         return None

@@ -21,13 +21,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
 from fem.casing.reduced.lanczos import block_lanczos, m_orthonormal
-from fem.numerics.linear_solver import Factor, Solver, factorize
+from fem.numerics.linear_solver import factorize
+
+if TYPE_CHECKING:
+    from fem.numerics.multifrontal import Cholesky
 
 _DENSE = 400  # largest number of unknowns for a dense eigensolution on the null space of B
 _SPANNED = 1e-12  # share of the mass of a vector outside the span of the modes, below which it is round-off
@@ -69,7 +73,7 @@ class Reduction:
 class Interface:
     """A factorised body with its interface rows and constraint modes."""
 
-    factor: Factor
+    factor: Cholesky
     rows: sp.csr_matrix  # B (b, n)
     constraint: np.ndarray  # Psi (n, b)
     stiffness: np.ndarray  # S^-1 - D (b, b)
@@ -88,7 +92,6 @@ def held_interface(
     *,
     penalty: np.ndarray | None = None,
     loads: np.ndarray | sp.csr_matrix | None = None,
-    solver: Solver = "auto",
 ) -> Interface:
     """Factorise A = K + B^T D B and compute the constraint modes.
 
@@ -98,7 +101,6 @@ def held_interface(
     rows : sparse B (b, n)
     penalty : diagonal of D (b,), N/m; needed only when K alone is singular
     loads : (n, l), whose displacements are needed after the factor is freed; none by default
-    solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------
@@ -107,7 +109,7 @@ def held_interface(
     """
     rows = sp.csr_matrix(rows)
     A = K if penalty is None else K + rows.T @ sp.diags_array(penalty) @ rows
-    factor = factorize(A, solver=solver)
+    factor = factorize(A)
     b = rows.shape[0]
     found = factor.solve(sp.hstack([rows.T, *([] if loads is None else [loads])]).toarray())
     flexible = found[:, :b]  # A^-1 B^T

@@ -29,7 +29,7 @@ from fem.casing.reduced.grounded import GROUND_AXES, AssembledCasing, ForcedPoin
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduced_body import MODES_OVER_BAND, ReducedBody
 from fem.casing.reduced.undamped_modes import undamped_modes
-from fem.numerics.linear_solver import Solver, factorize
+from fem.numerics.linear_solver import factorize
 from fem.storage.records import Record, array, names, scalar
 
 _POWERS = 7
@@ -85,7 +85,6 @@ def state_error(
     damping: DampingRatio,
     loss_factors: Mapping[str, float] | None = None,
     springs: np.ndarray | None = None,
-    solver: Solver = "auto",
 ) -> ErrorStatement:
     """Compare a reduced casing with its full model; as expensive as the reduction.
 
@@ -97,14 +96,13 @@ def state_error(
     sensors : sensors of the compared responses, along their axes
     damping, loss_factors : of the full model, as given for the body
     springs : (interface,) N/m of the mounts, if the casing is on springs
-    solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------
     ValueError : the body has no row of a requested sensor
     """
     mounts = 0.0 if springs is None else casing.rows.T @ sp.diags_array(springs) @ casing.rows
-    solve = factorize(casing.K_free + mounts, solver=solver).solve
+    solve = factorize(casing.K_free + mounts).solve
     smallest = (2.0 * math.pi * MODES_OVER_BAND * band) ** -2.0
     theta, phi = block_lanczos(solve, casing.M_free, smallest=smallest)
     full = 1.0 / (2.0 * math.pi * np.sqrt(theta))
@@ -120,14 +118,9 @@ def state_error(
     names_used = [n for n, is_bearing in zip(casing.coordinate_names, bearing_rows, strict=True) if is_bearing]
     found = reduced_response(body, names_used, [s.name for s in sensors], frequencies)
     bearings = tuple(dict.fromkeys(name.split(":")[0] for name in names_used))
-    errors = np.zeros((len(thirds), len(bearings), len(sensors)))
-    for b, bearing in enumerate(bearings):
-        columns = [i for i, n in enumerate(names_used) if n.split(":")[0] == bearing and n.split(":")[1][0] == "u"]
-        for s in range(len(sensors)):
-            pair = np.ix_(range(len(frequencies)), range(3 * s, 3 * s + 3), columns)
-            off, size = (abs(h[pair]) ** 2 for h in (found - exact, exact))
-            by_third = off.reshape(len(thirds), -1).sum(axis=1), size.reshape(len(thirds), -1).sum(axis=1)
-            errors[:, b, s] = np.sqrt(by_third[0] / by_third[1])
+    moving = np.array([[n.startswith(f"{bearing}:u") for bearing in bearings] for n in names_used], float)
+    shape = len(thirds), LINES, len(sensors), 3, len(names_used)
+    off, size = ((abs(h) ** 2).reshape(shape).sum(axis=(1, 3)) @ moving for h in (found - exact, exact))
     return ErrorStatement(
         band=band,
         full_frequencies=inside,
@@ -135,7 +128,7 @@ def state_error(
         third_octaves=thirds,
         bearings=bearings,
         sensors=tuple(sensor.name for sensor in sensors),
-        response_errors=errors,
+        response_errors=np.sqrt(off / size).transpose(0, 2, 1),
     )
 
 

@@ -7,8 +7,7 @@ u(x) = R q = t + r x (x - x_cg).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -58,78 +57,47 @@ def _cylinder(x: float, z: float, start: float, end: float, diameter: float, sig
 
 
 def rigid_body(
-    housing: Housing,
+    body: Housing | CasingMesh,
     *,
     density: float,
     mount_stiffness: float,
     damping_ratio: DampingRatio = 0.01,
     sensors: Sequence[Sensor] = (),
 ) -> ReducedBody:
-    """Reduced body of a plain parametric housing on springs, without a mesh.
+    """Reduced body of a rigid housing on springs.
 
     Parameters
     ----------
-    housing : parametric and `plain`: with ribs, a flange, bolt pads or fillets the mass needs the mesh
+    body : a `plain` parametric housing, or the mesh of any housing: with ribs, a flange, bolt pads or fillets the mass
+        needs the mesh, which then also gives the key points and the positions of the sensors
     density : kg/m3
     mount_stiffness : N/m of each foot, in x, y and z
     damping_ratio : of all six modes, or rows (Hz, ratio)
     sensors : three rows each, along their own axes
-    """
-    bearings = {bore.name: housing.bore_centre(bore) for bore in housing.bores}
-    mass = housing_mass(housing, density)
-    return _on_springs(mass, housing.ground_points(), bearings, mount_stiffness, damping_ratio, sensors)
-
-
-def rigid_from_mesh(
-    mesh: CasingMesh,
-    *,
-    density: float,
-    mount_stiffness: float,
-    damping_ratio: DampingRatio = 0.01,
-    sensors: Sequence[Sensor] = (),
-) -> ReducedBody:
-    """Rigid body of any housing: mass, key points and the positions of the sensors follow from its mesh.
-
-    Parameters
-    ----------
-    mesh : of the housing
-    density, mount_stiffness, damping_ratio, sensors : those of `rigid_body`
 
     Raises
     ------
-    AttachmentError : a sensor far from the surface
+    AttachmentError : a sensor far from the surface of the mesh
     """
-    mass = mass_properties(mesh.nodes, mesh.elements, density)
-    grounds, bearings = ({n: mesh.point(n) for n in mesh.patches(kind)} for kind in ("ground_", "bearing_"))
-    moved = [
-        replace(s, position=tuple(nearest_surface_point(mesh.nodes, mesh.facets, np.array(s.position))[2].tolist()))
-        for s in sensors
-    ]
-    return _on_springs(mass, grounds, bearings, mount_stiffness, damping_ratio, moved)
-
-
-def _on_springs(
-    inertial: tuple[float, np.ndarray, np.ndarray],
-    grounds: Mapping[str, np.ndarray],
-    bearings: Mapping[str, np.ndarray],
-    mount_stiffness: float,
-    damping_ratio: DampingRatio,
-    sensors: Sequence[Sensor],
-) -> ReducedBody:
-    """Mass, centre of gravity and inertia on one spring per ground point, and the rows of bearings and sensors."""
-    mass, centre, inertia = inertial
+    if isinstance(body, CasingMesh):
+        mass, centre, inertia = mass_properties(body.nodes, body.elements, density)
+        grounds, bearings = ({n: body.point(n) for n in body.patches(kind)} for kind in ("ground_", "bearing_"))
+        spots = {s.name: nearest_surface_point(body.nodes, body.facets, np.array(s.position))[2] for s in sensors}
+    else:
+        mass, centre, inertia = housing_mass(body, density)
+        grounds, bearings = body.ground_points(), {bore.name: body.bore_centre(bore) for bore in body.bores}
+        spots = {sensor.name: np.array(sensor.position) for sensor in sensors}
     mounts = rigid_body_modes(np.array(list(grounds.values())), centre)
     stiffness = mount_stiffness * (mounts.T @ mounts)
     M = np.zeros((6, 6))
     M[:3, :3], M[3:, 3:] = mass * np.eye(3), inertia
-    places = {**grounds, **bearings}
+    places = {**grounds, **bearings, **spots}
     rows, row_names = [], []
     for name, place in bearings.items():
         motion = np.vstack([rigid_body_modes(place[None], centre), np.eye(6)[3:]])
         rows.append(motion[[AXES.index(axis) for axis in BEARING_AXES]])
         row_names += [f"{name}:{axis}" for axis in BEARING_AXES]
     for sensor in sensors:
-        places[sensor.name] = np.array(sensor.position)
         rows.append(np.array(sensor.axes) @ rigid_body_modes(places[sensor.name][None], centre))
         row_names += [f"{sensor.name}:{axis}" for axis in AXES[:3]]
     return ReducedBody(

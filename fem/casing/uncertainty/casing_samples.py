@@ -104,8 +104,7 @@ def sampled_damping(form: ModalForm, near: int, spread: float, count: int, seed:
     seed : of the random numbers
     """
     factors = np.exp(np.log1p(spread) / NORMAL_95 * np.random.default_rng(seed).standard_normal(count))
-    same = nominal_samples(form, near, count)
-    return CasingSamples(squares=same.squares, turns=same.turns, stiffening=same.stiffening, damping=factors)
+    return replace(nominal_samples(form, near, count), damping=factors)
 
 
 NORMAL_95 = 1.6448536269514722  # standard deviations below which 95 % of a normal distribution lie

@@ -63,58 +63,39 @@ class FrequencyLimits:
         return float(np.median((self.fixed_bands + rest) / self.limits))
 
 
-@dataclass(frozen=True, eq=False)
 class Changes:
     """Checked differences between the frequencies of two or more meshes.
 
     Parameters
     ----------
     sizes : element sizes, ascending, in any unit
-    frequencies : float (size, mode), Hz, of the same modes; nan where a coarser mesh has no counterpart
+    frequencies : (size, mode), Hz, of the same modes; nan where a coarser mesh has no counterpart
     formal_order : of frequencies in a smooth body, the upper bound that is accepted
+
+    Attributes
+    ----------
+    middle, large : changes (mode,) to the second and to the largest size, e_2 and e_3 of three meshes
+    known, monotone : bool (mode,), known on all meshes; changes from mesh to mesh have the same sign
+    scale : |`large`| (mode,), at least its median
 
     Raises
     ------
     LimitError : fewer than three modes with counterparts, or no change of any frequency
     """
 
-    sizes: np.ndarray
-    frequencies: np.ndarray
-    formal_order: float = SMOOTH_ORDER
-
-    def __post_init__(self) -> None:
+    def __init__(self, sizes: Sequence[float], frequencies: np.ndarray, formal_order: float = SMOOTH_ORDER) -> None:
+        self.sizes, self.formal_order = np.asarray(sizes, float), formal_order
+        self.frequencies = f = np.asarray(frequencies, float)
+        self.middle, self.large = f[1] / f[0] - 1.0, f[-1] / f[0] - 1.0
+        self.known = np.isfinite(f).all(axis=0)
         if self.known.sum() < LEAST_MODES or not abs(self.large[self.known]).max() > 0.0:
             raise LimitError(
                 f"{int(self.known.sum())} modes of the finest mesh have counterparts of other frequency on the other "
                 f"meshes, at least {LEAST_MODES} are needed; use smaller elements on all meshes"
             )
-
-    @property
-    def middle(self) -> np.ndarray:
-        """e_2 (mode,) of three meshes."""
-        return np.asarray(self.frequencies[1] / self.frequencies[0] - 1.0)
-
-    @property
-    def large(self) -> np.ndarray:
-        """The change (mode,) to the largest size, e_3 of three meshes."""
-        return np.asarray(self.frequencies[-1] / self.frequencies[0] - 1.0)
-
-    @property
-    def known(self) -> np.ndarray:
-        """Bool (mode,): known on all meshes."""
-        return np.asarray(np.isfinite(self.frequencies).all(axis=0))
-
-    @property
-    def monotone(self) -> np.ndarray:
-        """Bool (mode,): changes from mesh to mesh have the same sign."""
-        steps = np.diff(self.frequencies, axis=0)
-        return np.asarray(self.known & (steps * self.large > 0.0).all(axis=0))
-
-    @property
-    def scale(self) -> np.ndarray:
-        """|`large`| (mode,), at least its median."""
+        self.monotone = self.known & (np.diff(f, axis=0) * self.large > 0.0).all(axis=0)
         usual = float(np.median(abs(self.large[self.known])))
-        return np.maximum(abs(np.where(self.known, self.large, usual)), usual)
+        self.scale = np.maximum(abs(np.where(self.known, self.large, usual)), usual)
 
     def limits(
         self, order: float, *, share: float, reach: float, walls: tuple[float, float] = (0.0, 0.0)
@@ -165,7 +146,7 @@ def frequency_limits(
     """
     if len(sizes) != 3:
         raise LimitError(f"{len(sizes)} sizes: three are needed for a common order. Set three")
-    changes = Changes(np.asarray(sizes, float), np.asarray(frequencies, float), formal_order)
+    changes = Changes(sizes, frequencies, formal_order)
     logs, known = np.log(changes.sizes[1:] / changes.sizes[0]), changes.known
     middle, large = changes.middle, changes.large
     order = _order(float(np.median((middle / large)[known & (large != 0.0)])), logs, formal_order)

@@ -40,7 +40,7 @@ def hexahedral_limits(sizes: Sequence[float], frequencies: np.ndarray, *, degree
     ------
     LimitError : as `Changes`
     """
-    changes = Changes(np.asarray(sizes, float), np.asarray(frequencies, float))
+    changes = Changes(sizes, frequencies)
     log_ratio = math.log(changes.sizes[-1] / changes.sizes[0])
     most, least = (share_at(order[degree], log_ratio) for order in (SLOW, FAST))
     share = 0.5 * (most + least)

@@ -57,11 +57,9 @@ def features_of(parts: Sequence[ComparedRecording]) -> Features:
     """
     tables = confirmed([_table(part) for part in parts])
     lines = tuple(dict.fromkeys(line for table in tables for line in table.lines))
-    level = np.full((len(parts), len(lines)), np.nan)
-    for row, table in zip(level, tables, strict=True):
-        positive = np.all(table.value > 0.0, axis=0)
-        for line, one, known in zip(table.lines, table.levels, positive, strict=True):
-            row[lines.index(line)] = one if known else np.nan
+    known = [np.where(np.all(table.value > 0.0, axis=0), table.levels, np.nan) for table in tables]
+    by_line = [dict(zip(table.lines, own, strict=True)) for table, own in zip(tables, known, strict=True)]
+    level = np.array([[own.get(line, np.nan) for line in lines] for own in by_line])
     return Features(tables=tuple(tables), lines=lines, level=level)
 
 

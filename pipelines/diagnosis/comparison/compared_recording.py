@@ -42,8 +42,7 @@ class Window:
 class ComparedRecording:
     """A recording whose windows are compared.
 
-    `acceleration` (channel, time) in m/s2 holds `channels` at equidistant `time` (s). `recorded_rate` is the sampling
-    rate of the file (Hz), `warnings` are the warnings that it contains.
+    `acceleration` (channel, time) in m/s2 holds `channels` at equidistant `time` (s). `warnings` are those of the file.
     """
 
     name: str
@@ -53,7 +52,6 @@ class ComparedRecording:
     channels: tuple[Channel, ...]
     time: np.ndarray
     acceleration: np.ndarray
-    recorded_rate: float
     warnings: tuple[str, ...]
 
     @property
@@ -100,10 +98,8 @@ def compared_recording(
     FeatureError : no accelerations, no channel with a signal, or a window outside the recording
     RotationError : see `pipelines.signals.orders.rotation_of`
     """
-    if "acceleration" not in recording and "journal_acceleration" not in recording:
-        raise FeatureError("the recording holds no accelerations. Add sensors to the scene, or give another recording")
-    rotation = rotation_of(recording, kinematics)
     sensors, axes, values = recorded_channels(with_stated_noise(recording))
+    rotation = rotation_of(recording, kinematics)
     time = np.asarray(recording.time.values, dtype=float)
     whole = {"whole": (float(time[0]), float(time[-1]))}
     return ComparedRecording(
@@ -114,7 +110,6 @@ def compared_recording(
         channels=tuple(zip(sensors, axes, strict=True)),
         time=time,
         acceleration=values,
-        recorded_rate=(len(time) - 1) / float(time[-1] - time[0]),
         warnings=tuple(stored_warnings(recording.attrs).values()),
     )
 
@@ -162,12 +157,11 @@ def brought_together(parts: Sequence[ComparedRecording]) -> tuple[ComparedRecord
             f"no channel is in all recordings ({sensors}). Set the same sensor names in the machine file."
         )
     lowest = min(part.rate for part in parts)
-    return tuple(_at_rate(_with_channels(part, common), lowest) for part in parts)
-
-
-def _with_channels(part: ComparedRecording, channels: Sequence[Channel]) -> ComparedRecording:
-    rows = [part.channels.index(channel) for channel in channels]
-    return replace(part, channels=tuple(channels), acceleration=part.acceleration[rows])
+    rows = [[part.channels.index(channel) for channel in common] for part in parts]
+    return tuple(
+        _at_rate(replace(part, channels=tuple(common), acceleration=part.acceleration[own]), lowest)
+        for part, own in zip(parts, rows, strict=True)
+    )
 
 
 def _at_rate(part: ComparedRecording, rate: float) -> ComparedRecording:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 
 import numpy as np
 
 from pipelines.diagnosis.comparison.compared_features import Features
 from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
-from pipelines.io.text_table import Grid
+from pipelines.io.text_table import Grid, grid
 from pipelines.signals.features.definitions import BY_NAME
 from pipelines.signals.features.feature_table import left_out_words
 from pipelines.signals.orders.revolutions import HIGHEST
@@ -20,57 +18,53 @@ LETTERS = "ABCDEFGHIJ"  # names of the recordings in tables and figures; no more
 
 def recordings_grid(parts: Sequence[ComparedRecording]) -> Grid:
     """Table of all windows of the recordings with their speeds; `parts` before resampling."""
-    rows = []
-    for letter, part in zip(LETTERS, parts, strict=False):
-        for window in part.windows:
-            meshes = [order * window.frequency for order in part.kinematics.mesh_orders().values()]
-            error = f" (to {100 * part.rotation.error:.1g} %)" if part.rotation.error else ""
-            rows.append(
-                (
-                    letter,
-                    part.name,
-                    f"{window.start:.4g} to {window.end:.4g}",
-                    f"{window.turns:.1f}",
-                    f"{60 * window.frequency:.5g}{error}",
-                    ", ".join(f"{mesh:.5g}" for mesh in meshes) or "-",
-                    f"{part.recorded_rate:.6g}",
-                    part.rotation.source,
-                )
-            )
-    headers = ("", "recording", "s", "turns", "rpm", "f_m Hz", "samples/s", "speed from")
-    return Grid(title="Recordings, turns and speed of the first shaft", headers=headers, rows=tuple(rows))
+    rows = [
+        {
+            "": letter,
+            "recording": part.name,
+            "s": f"{window.start:.4g} to {window.end:.4g}",
+            "turns": f"{window.turns:.1f}",
+            "rpm": f"{60 * window.frequency:.5g}"
+            + (f" (to {100 * part.rotation.error:.1g} %)" if part.rotation.error else ""),
+            "f_m Hz": ", ".join(f"{order * window.frequency:.5g}" for order in part.kinematics.mesh_orders().values())
+            or "-",
+            "samples/s": f"{part.rate:.6g}",
+            "speed from": part.rotation.source,
+        }
+        for letter, part in zip(LETTERS, parts, strict=False)
+        for window in part.windows
+    ]
+    return grid("Recordings, turns and speed of the first shaft", rows)
 
 
 def features_grid(found: Features) -> Grid:
     """Table with one row for each component and feature: values, and differences from the first recording in dB."""
     letters = LETTERS[: len(found.tables)]
-    rows = tuple(
-        (
-            component,
-            BY_NAME[feature].words,
-            BY_NAME[feature].unit,
-            *(_cell(value, ".3g") for value in values),
-            *(_cell(one, "+.1f") for one in differences[1:]),
-        )
+    rows = [
+        {
+            "component": component,
+            "feature": BY_NAME[feature].words,
+            "unit": BY_NAME[feature].unit,
+            **{letter: _cell(one, ".3g") for letter, one in zip(letters, values, strict=True)},
+            **{_over_first(letter): _cell(differences[i], "+.1f") for i, letter in enumerate(letters[1:], 1)},
+        }
         for (component, feature), values, differences in zip(
             found.lines, found.value.T, found.difference.T, strict=True
         )
-    )
-    headers = ("component", "feature", "unit", *letters, *(f"{letter} - A dB" for letter in letters[1:]))
-    title = "Features in these windows, mean over the common channels; a channel is one axis of a sensor"
-    return Grid(title=title, headers=headers, rows=rows)
+    ]
+    return grid("Features in these windows, mean over the common channels; a channel is one axis of a sensor", rows)
 
 
 def features_csv(found: Features) -> str:
     """The table of features as CSV text with nine digits; missing values are empty."""
+    import pandas as pd
+
     letters = LETTERS[: len(found.tables)]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["component", "feature", "unit", *letters, *(f"{letter} - A dB" for letter in letters[1:])])
-    for (component, feature), values, differences in zip(found.lines, found.value.T, found.difference.T, strict=True):
-        numbers = [f"{one:.9g}" if np.isfinite(one) else "" for one in (*values, *differences[1:])]
-        writer.writerow([component, feature, BY_NAME[feature].unit, *numbers])
-    return text.getvalue()
+    table = pd.DataFrame(found.lines, columns=["component", "feature"])
+    table["unit"] = [BY_NAME[feature].unit for _, feature in found.lines]
+    table[list(letters)] = found.value.T
+    table[list(map(_over_first, letters[1:]))] = found.difference[1:].T
+    return table.to_csv(index=False, float_format="%.9g", lineterminator="\n")
 
 
 def remarks(recorded: Sequence[ComparedRecording], parts: Sequence[ComparedRecording], found: Features) -> list[str]:
@@ -100,6 +94,10 @@ def remarks(recorded: Sequence[ComparedRecording], parts: Sequence[ComparedRecor
         letters = [letter for letter, table in own if left_out_words(table.left_out) == words]
         lines.append(f"{', '.join(letters)}: {words}")
     return lines
+
+
+def _over_first(letter: str) -> str:
+    return f"{letter} - A dB"
 
 
 def _train(part: ComparedRecording) -> tuple[object, ...]:

@@ -88,8 +88,9 @@ def curves(parts: Sequence[ComparedRecording], channel: Channel, shaft: str) -> 
     ------
     FeatureError : the first shaft makes no complete turn in a window, or the sampling rate is too low for an envelope
     """
-    highest = min(HIGHEST * part.rate / part.windows[0].frequency for part in parts)
-    guard = max(_guard(part) for part in parts)
+    first = [part.windows[0].frequency for part in parts]
+    highest = min(HIGHEST * part.rate / frequency for part, frequency in zip(parts, first, strict=True))
+    guard = max(envelope_band(p.kinematics, p.time, f)[0] / f for p, f in zip(parts, first, strict=True))
     places = 2 * math.ceil(0.5 * highest / HIGHEST)
     row = parts[0].channels.index(channel)
     turns = [_turns(part, row, 1.0, places) for part in parts]
@@ -123,16 +124,10 @@ def curves(parts: Sequence[ComparedRecording], channel: Channel, shaft: str) -> 
     )
 
 
-def _guard(part: ComparedRecording) -> float:
-    """Lower end of the range of the envelope, in orders of the first shaft."""
-    frequency = part.windows[0].frequency
-    return envelope_band(part.kinematics, part.time, frequency)[0] / frequency
-
-
 def _turns(part: ComparedRecording, row: int, ratio: float, places: int) -> np.ndarray:
     """Values (turn, place) of a channel over the complete turns of a shaft in the first window."""
     span = (part.windows[0].start, part.windows[0].end)
-    return revolutions(part.acceleration[row], part.time, part.rotation, ratio, places, [span])
+    return revolutions(part.acceleration[row], part.time, part.rotation, ratio, places, span)
 
 
 def _spectra(turns: np.ndarray, block: int, share: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ from pipelines.diagnosis.comparison.compared_features import features_of
 from pipelines.diagnosis.comparison.compared_recording import brought_together, compared_recording
 from pipelines.io.errors import InputError
 from pipelines.io.shown_text import shown
+from pipelines.signals.features.feature_table import labelled_array
 from pipelines.signals.features.recording_features import FeatureError
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.rotation import RotationError
@@ -46,19 +47,11 @@ def labelled_comparison(recordings: Mapping[str, xarray.Dataset], kinematics: Ki
         found = features_of(brought_together(parts))
     except FeatureError as error:
         raise InputError(str(error)) from error
-    components, features = (list(dict.fromkeys(names)) for names in zip(*found.lines, strict=True))
-    value = np.full((len(parts), len(components), len(features)), np.nan)
-    difference = value.copy()
-    for i, (component, feature) in enumerate(found.lines):
-        place = (slice(None), components.index(component), features.index(feature))
-        value[place], difference[place] = found.value[:, i], found.difference[:, i]
-    speed = np.array([2.0 * math.pi * part.windows[0].frequency for part in parts])
     dims = ("recording", "component", "feature")
-    return xarray.Dataset(
-        {
-            "value": (dims, value),
-            "difference": (dims, difference, {"units": "dB"}),
-            "speed": (dims[:1], speed, {"units": "rad/s"}),
-        },
-        coords={"recording": list(recordings), "component": components, "feature": features},
+    places = [(name, *line) for name in recordings for line in found.lines]
+    value, difference = (
+        labelled_array(dict(zip(places, given.ravel(), strict=True)), dims) for given in (found.value, found.difference)
     )
+    speed = np.array([2.0 * math.pi * part.windows[0].frequency for part in parts])
+    labelled = {"value": value, "difference": difference.assign_attrs(units="dB")}
+    return xarray.Dataset(labelled | {"speed": (dims[:1], speed, {"units": "rad/s"})})

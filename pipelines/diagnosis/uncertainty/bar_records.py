@@ -5,9 +5,7 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -82,10 +80,6 @@ class LineBars:
         )
         notes = shown_html.table("Notes", (), ((note,) for note in self.notes))
         return shown_html.table("Error bars, 5 to 95 %, relative to the level of the run", head, rows) + notes
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON; levels in m/s2, bands in dB relative to the level."""
-        return dataclasses.asdict(self)
 
 
 def band(changes: np.ndarray, alone: dict[str, float]) -> Band:

@@ -30,7 +30,6 @@ class CutRun:
     """
 
     segment: Segment
-    window: str  # of the spectrum
     signal: np.ndarray
     forces: np.ndarray
 
@@ -53,8 +52,8 @@ def spectrum_changes(
     casings : sampled casings
     """
     bins = [run.number(frequency) for frequency in frequencies]
-    recorded = complex_amplitudes(run.signal, run.window)[bins]
-    forces = complex_amplitudes(run.forces, run.window)[bins]
+    recorded = complex_amplitudes(run.signal)[bins]
+    forces = complex_amplitudes(run.forces)[bins]
     levels, missed = np.zeros((len(casings), len(bins))), np.zeros(len(bins))
     for line, number in enumerate(bins):
         place = number / run.segment.duration
@@ -82,13 +81,13 @@ def envelope_changes(
     frequency = np.fft.rfftfreq(count, duration / count)
     inside = (frequency >= band[0]) & (frequency <= band[1]) & (frequency > 0)
     lines = np.fft.rfft(run.signal, axis=0) * inside[:, None]
-    forces = complex_amplitudes(run.forces, run.window)
+    forces = complex_amplitudes(run.forces)
     carried = np.flatnonzero(inside & (np.arange(len(inside)) % run.number(revolution_frequency) == 0))
     changed = np.empty((len(casings), len(carried), run.signal.shape[1]), dtype=complex)
     for i, number in enumerate(carried):
         predicted, other = path.accelerations(number / duration, forces[number], casings)
         changed[:, i] = other - predicted
-    kernel = bin_kernel(count, [run.number(k * revolution_frequency) for k in orders], run.window)
+    kernel = bin_kernel(count, [run.number(k * revolution_frequency) for k in orders])
     recorded = _envelope_lines(lines, kernel)
     levels = np.empty((len(casings), len(orders)))
     for sample in range(len(casings)):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.casing.reduced.casing_modes import CasingModes
 from fem.casing.uncertainty.casing_samples import (
     CasingSamples,
     joined,
@@ -17,6 +18,8 @@ from fem.casing.uncertainty.casing_samples import (
     sampled_frequencies,
     single_errors,
 )
+from fem.casing.uncertainty.extrapolation import RIGID_MOTIONS, LowestModes, measured_limits
+from fem.casing.uncertainty.frequency_errors import FrequencyErrors, frequency_errors
 from fem.casing.uncertainty.modal_form import ModalForm, modal_form
 from mbd.system.blocked_forces import machine_at_seats
 from mbd.system.statics import equilibrium
@@ -25,8 +28,6 @@ from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.uncertainty.bar_records import SAMPLES, Band, LineBar, LineBars, band
 from pipelines.diagnosis.uncertainty.casing_changes import CasingPath
 from pipelines.diagnosis.uncertainty.line_changes import CutRun, envelope_changes, spectrum_changes
-from pipelines.diagnosis.uncertainty.notes import notes
-from pipelines.diagnosis.uncertainty.uncertain import Uncertain
 from pipelines.signals.analysis import channel, sampling
 from pipelines.signals.line_table import LineTable
 from pipelines.signals.spectrum import cut
@@ -39,12 +40,38 @@ SEATS, SHAPES, STEP = "modes above and seats", "shapes of casing modes", "time s
 DAMPING = "damping of the casing"
 MISSED = 1.0  # dB: a larger difference from the recorded line means that forces other than the bearings' excite it
 
+_LEFT_OUT = (
+    "Not in the error bars: the error of the mesh law, which gearcase converge --over gear-mesh and --over slices "
+    "estimate; the effect of the deviations, which gearcase run --seeds shows; modes above the band of the "
+    "reduced casing; and the stiffness of bearing seats, feet and mounts."
+)
+
 
 class BarsError(ValueError):
     """Error bars cannot be computed; the message states the reason."""
 
 
-def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncertain: Uncertain) -> LineBars:
+def casing_errors(modes: CasingModes | None, coarser: Sequence[LowestModes]) -> FrequencyErrors | None:
+    """Errors of the natural frequencies of an extrapolated casing by its mesh, None for other casings.
+
+    Parameters
+    ----------
+    modes, coarser : modes of an extrapolated casing on its mesh, and on the coarser ones; None and empty for others
+    """
+    if modes is None or not coarser:
+        return None
+    first = RIGID_MOTIONS if modes.ground == "springs" else 0
+    return frequency_errors(measured_limits(modes, coarser), first)
+
+
+def line_bars(
+    run: xarray.Dataset,
+    diagnosis: Diagnosis,
+    system: System,
+    errors: FrequencyErrors | None,
+    damping_spread: float,
+    remedy: str,
+) -> LineBars:
     """Error bars of all lines of a diagnosis that exceed their floor by the limit of its settings.
 
     Parameters
@@ -52,7 +79,10 @@ def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncerta
     run : signals of the diagnosed run
     diagnosis : its lines
     system : the machine in the casing of the run
-    uncertain : errors of the natural frequencies of the casing, and spread of its damping
+    errors : of the natural frequencies of the casing, None if they are not known
+    damping_spread : relative; in 90 % of the samples the damping ratios are multiplied by a factor between
+        1/(1 + damping_spread) and 1 + damping_spread
+    remedy : setting that makes unknown errors known
 
     Raises
     ------
@@ -67,8 +97,8 @@ def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncerta
         lines = diagnosis.lines.where(window=window).of("envelope", "sideband", "mesh", "shaft")
         lines = lines.at(np.flatnonzero(lines.over_floor >= diagnosis.settings.floor_limit).tolist())
         if len(lines):
-            found += _window_bars(_Window(run, diagnosis, window, system, form), lines, uncertain, missed)
-    return LineBars(bars=tuple(found), notes=notes(missed, uncertain.remedy, uncertain.damping_spread))
+            found += _window_bars(_Window(run, diagnosis, window, system, form), lines, errors, damping_spread, missed)
+    return LineBars(bars=tuple(found), notes=_notes(missed, remedy if errors is None else "", damping_spread))
 
 
 class _Window:
@@ -90,7 +120,6 @@ class _Window:
         axes = list("xyz" if settings.axis == "resultant" else settings.axis)
         self.cut = CutRun(
             segment=segment,
-            window=settings.spectrum_window,
             signal=cut(channel(run, settings.sensor).sel(axis=axes).values, rate, segment),
             forces=cut(forces.sel(bearing=on_casing).values.reshape(run.time.size, -1), rate, segment),
         )
@@ -122,9 +151,11 @@ class _Window:
         return levels, missed
 
 
-def _window_bars(window: _Window, lines: LineTable, uncertain: Uncertain, missed: list[str]) -> list[LineBar]:
-    form, near, errors = window.form, window.path.near, uncertain.errors
-    parts = [nominal_samples(form, near), sampled_damping(form, near, uncertain.damping_spread, SAMPLES, SEED)]
+def _window_bars(
+    window: _Window, lines: LineTable, errors: FrequencyErrors | None, damping_spread: float, missed: list[str]
+) -> list[LineBar]:
+    form, near = window.form, window.path.near
+    parts = [nominal_samples(form, near), sampled_damping(form, near, damping_spread, SAMPLES, SEED)]
     if errors is not None:
         parts += [sampled_frequencies(form, near, errors, SAMPLES, SEED), single_errors(form, near, errors)]
     levels, off = window.changes(lines, joined(parts))
@@ -164,3 +195,33 @@ def _numerical(window: _Window, sampled: np.ndarray, single: np.ndarray) -> Sequ
         shapes = float(np.var(changes)) - sum(change**2 for change in sources.values())
         found.append(band(changes, sources | {SHAPES: math.sqrt(max(shapes, 0.0))}))
     return found
+
+
+def _notes(missed: Sequence[str], remedy: str, damping_spread: float) -> tuple[str, ...]:
+    """Sentences on the errors that the error bars contain and omit.
+
+    Parameters
+    ----------
+    missed : names of lines that forces other than those of the bearings excite, too
+    remedy : setting that makes the error of the casing mesh known, "" if it is known
+    damping_spread : relative spread of the damping ratios, 5 to 95 %
+    """
+    numerical = (
+        f"Numerical uncertainty: 5 to 95 % of {SAMPLES} samples. Each sample changes the natural frequencies of the "
+        "casing within their uncertainty bands, and adds an error of the time step."
+    )
+    if remedy:
+        numerical = (
+            f"The discretisation error of the casing is not known: {remedy}. Only the effect of uncertain damping is "
+            "shown."
+        )
+    damping = (
+        f"Uncertain damping: 5 to 95 % of {SAMPLES} samples. Each sample multiplies all damping ratios of the casing "
+        f"by one factor, in 90 % of the samples between {1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g}. "
+        "This range is an assumption; diagnosis.damping_spread sets it."
+    )
+    incomplete = (
+        "These lines are excited by further forces than those of the bearings, so their error bars are incomplete: "
+        f"{', '.join(missed)}."
+    )
+    return (numerical, damping, _LEFT_OUT, *([incomplete] if missed else []))

@@ -13,17 +13,14 @@ import numpy as np
 from fem.casing.geometry.dimensions import HousingError
 from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.locators import ByCylinder, ByGroup, ByPlane, Locator
-from fem.casing.mesh.choose_mesher import Geometry
 from fem.casing.mesh.imported_housing import ALONG_Y, OFF_AXIS, ImportedHousing
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.models.casing_model import HousingCasing
 from fem.casing.parts.casing_choices import FEWEST_MOUNTS, few_feet
 from mbd.parts.coordinate_layout import BEARING_PLACE_TOLERANCE
 from pipelines.io.errors import Problem
-from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import MachineModel
-from pipelines.machine.scene_bearings import bearing_names, bearing_points
+from pipelines.machine.scene_bearings import placed_bearings
 from pipelines.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -37,22 +34,23 @@ LARGEST_LOOK = 10e6  # bytes; larger housing files are not read for these checks
 
 def bad_casing(scene: Scene, machine: MachineModel) -> Iterator[Problem]:
     """All problems of a casing that can be found without its mesh."""
-    made, table = machine.structure.housing, scene.casing
-    if made is not None and getattr(table, "ground", "") == "springs":
+    made: Any = machine.structure.housing
+    table, given = scene.casing, scene.housing.model
+    if getattr(table, "ground", "") == "springs":
         yield from _bad_mounts(scene, made)
-    if scene.housing.model == "matrices":
+    if given == "matrices":
         yield from _bad_matrices(scene, made)
-    if isinstance(made, ImportedHousing):
-        misplaced = list(_misplaced_seats(scene, made))
-        yield from misplaced or _seats_in_file(scene, machine.layout, made)
-    if not isinstance(made, Housing) or not isinstance(machine.casing, HousingCasing):
+    elif given != "parametric":
+        yield from list(_misplaced_seats(scene, made)) or _seats_in_file(scene, made)
+    if given != "parametric":
         return
-    yield from _off_middle(scene, machine.layout, {bore.name: made.bore_centre(bore) for bore in made.bores}, "boss")
-    if not machine.casing.needs_mesh(machine.structure):
+    yield from _off_middle(scene, {bore.name: made.bore_centre(bore) for bore in made.bores}, "boss")
+    casing: Any = machine.casing
+    if not casing.needs_mesh(machine.structure):
         return
     from fem.casing.mesh.gmsh_mesh import check_element_size
 
-    sizes = machine.casing.sizes(machine.structure)
+    sizes = casing.sizes(machine.structure)
     try:
         check_element_size(made, sizes.element)
     except MeshError as error:
@@ -100,9 +98,9 @@ def _places_of_matrices(made: ImportedMatrices) -> np.ndarray | HousingError:
         return error
 
 
-def _bad_mounts(scene: Scene, made: Geometry | ImportedMatrices) -> Iterator[Problem]:
+def _bad_mounts(scene: Scene, made: Any) -> Iterator[Problem]:
     """Too few feet on springs, and rows of mounts that do not fit the feet; a plane has feet that only a mesh shows."""
-    feet = made.ground_points() if isinstance(made, Housing) else made.grounds
+    feet = made.grounds if scene.parametric is None else made.ground_points()
     count, rows = len(feet), scene.casing.mounts_N_per_um
     if any(isinstance(foot, ByPlane) for foot in feet):
         return
@@ -159,27 +157,24 @@ def _nodes(made: Housing, size: float) -> float:
     return sum(4 * area / size**2 * (2 * math.ceil(thickness / size) + 1) for area, thickness in _walls(made))
 
 
-def _off_middle(scene: Scene, layout: TrainLayout, points: dict[str, np.ndarray], what: str) -> Iterator[Problem]:
+def _off_middle(scene: Scene, points: dict[str, np.ndarray], what: str) -> Iterator[Problem]:
     """Bearings that are not in the middle of their seat, where their load acts on the casing."""
     keys = " by casing.housing.width_mm or boss_length_mm" if what == "boss" else ""
-    carried = [found for found in bearing_names(scene.shafts) if not found[0].startswith("ground")]
-    for (name, shaft, place), target in zip(carried, bearing_points(scene.shafts, layout), strict=True):
-        if name not in points:
-            continue
-        middle, y = 1000 * float(points[name][1]), 1000 * target[1]
+    for one in placed_bearings(scene):
+        middle, y = 1000 * float(points[one.name][1]) if one.name in points else math.nan, 1000 * one.y
         if abs(middle - y) > 1000 * BEARING_PLACE_TOLERANCE:
             yield Problem(
-                f"shafts.{shaft + 1}.bearing_positions_mm",
-                f"{name} at y = {y:g} mm is {abs(middle - y):.3g} mm away from the middle of its {what} at "
+                f"shafts.{one.shaft + 1}.bearing_positions_mm",
+                f"{one.name} at y = {y:g} mm is {abs(middle - y):.3g} mm away from the middle of its {what} at "
                 f"{middle:.6g} mm, where the casing takes its load (limit {1000 * BEARING_PLACE_TOLERANCE:g} mm)",
-                f"Set its value number {place + 1} to {middle:.6g}, or move the {what}{keys}",
+                f"Set its value number {one.place + 1} to {middle:.6g}, or move the {what}{keys}",
             )
 
 
 def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
     """Seats whose axis, as given in the scene, is not that of their shaft, and direction vectors of length 0."""
     paths = {seat.name: f"casing.housing.bearings.{number}" for number, seat in enumerate(scene.housing.bearings, 1)}
-    shafts = {name: shaft + 1 for name, shaft, _ in bearing_names(scene.shafts)}
+    shafts = {one.name: one.shaft + 1 for one in placed_bearings(scene)}
     for seat in made.seats:
         path = paths[seat.name]
         yield from _group_of_step(made, path, seat.locator, "through_mm and diameter_mm", f"{seat.name}: ")
@@ -227,7 +222,7 @@ def _group_of_step(made: ImportedHousing, path: str, locator: Locator, instead: 
         yield Problem(f"{path}.group", f"{of}a STEP file has no groups", f"Set {instead} instead", f'"{locator.group}"')
 
 
-def _seats_in_file(scene: Scene, layout: TrainLayout, made: ImportedHousing) -> Iterator[Problem]:
+def _seats_in_file(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
     """Seats that are not in the file, or not where the bearings are."""
     table, found = scene.housing, _looked_up(made, scene.casing.element)
     if isinstance(found, MeshError):
@@ -237,7 +232,7 @@ def _seats_in_file(scene: Scene, layout: TrainLayout, made: ImportedHousing) -> 
         if isinstance(point := found.get(seat.name), MeshError):
             yield Problem(f"casing.housing.bearings.{number}", str(point))
     points = {name: point for name, point in found.items() if not isinstance(point, MeshError)}
-    yield from _off_middle(scene, layout, points, "seat")
+    yield from _off_middle(scene, points, "seat")
 
 
 @functools.lru_cache(maxsize=8)

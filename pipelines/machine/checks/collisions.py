@@ -18,7 +18,6 @@ from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import Drivetrain
 from pipelines.machine.scene_casing import dimensions
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.housing import HousingBase
 
 FARTHEST_SENSOR = 50.0  # mm; a sensor farther from the housing is an error of the scene
 _WAYS_OUT = {  # what makes room at a wall
@@ -163,8 +162,8 @@ def find_collisions(scene: Scene, train: Drivetrain) -> list[Problem]:
     """All collisions, and sensors far outside the housing."""
     layout, bodies = train.layout, gears(scene, train.layout)
     problems = [*_mates(bodies, layout), *_clashes(bodies, shafts(scene), layout)]
-    if isinstance(scene.housing, HousingBase):
-        housing = dimensions(scene.housing, layout)
+    if scene.parametric is not None:
+        housing = dimensions(scene.parametric, layout)
         problems += [*_clashes(bodies, bosses(housing), layout), *_wall_clashes(scene, layout, housing)]
         problems += _far_sensors(scene, housing)
     return problems

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -17,23 +16,19 @@ from pipelines.machine.checks.strength import strength_warnings
 from pipelines.machine.checks.window_checks import bad_windows
 from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import Drivetrain
-from pipelines.machine.scene_bearings import bearing_names, bearing_table
+from pipelines.machine.scene_bearings import placed_bearings
 from pipelines.machine.scene_casing import dimensions
 from pipelines.machine.scene_kinematics import STRIKES, kinematics_of
+from pipelines.scene.merge import leaves
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
-from pipelines.scene.tables.housing import HousingBase
 from pipelines.scene.validation_messages import other_unit
 from pipelines.signals.features.unresolved_passes import unresolved_passes
 
 LOAD_ZONE = math.pi / 2  # from the direction of a radial load, without clearance or preload
-_LEAST = {  # by key: smallest usual value, factor from another unit, and both units
-    "amount_um": (0.05, 1e3, "mm: %g um"),
-    "length_mm": (0.01, 1e3, "m: %g mm"),
-    "depth_mm": (5e-3, 1e3, "m: %g mm"),
-    "in_plane_um": (0.05, 1e3, "mm: %g um"),
-    "out_of_plane_um": (0.05, 1e3, "mm: %g um"),
-    "helix_angle_deg": (0.5, 180 / math.pi, "rad: %.3g deg"),
+MISTAKEN = {  # keys whose values are often in another unit
+    *("elastic_modulus_GPa", "density_kg_m3", "rope_modulus_GPa", "helix_angle_deg"),
+    *("amount_um", "length_mm", "depth_mm", "in_plane_um", "out_of_plane_um"),
 }
 HARMONICS = 5  # of the fastest mesh that a good record holds
 
@@ -42,9 +37,7 @@ def design_warnings(scene: Scene, machine: Drivetrain, diagnosed: bool = True) -
     """All warnings, in the order of the scene's tables; those of the diagnosis only if the run is `diagnosed`."""
     layout = machine.layout
     return (
-        *_materials(scene),
-        *(text for n, stage in enumerate(scene.stages, 1) for text in _small(stage.model_dump(), f"stages.{n}")),
-        *(text for n, fault in enumerate(scene.faults, 1) for text in _small(fault.model_dump(), f"faults.{n}")),
+        *_unusual(scene),
         *_mounts(scene),
         *_sensors(scene, layout),
         *_gears(scene, layout),
@@ -58,25 +51,11 @@ def design_warnings(scene: Scene, machine: Drivetrain, diagnosed: bool = True) -
     )
 
 
-def _materials(scene: Scene) -> Iterator[str]:
+def _unusual(scene: Scene) -> Iterator[str]:
     """Values that look as if they were in another unit."""
-    tables = {"gear_material": scene.gear_material, "load": scene.load}
-    if (iron := getattr(scene.casing, "material", None)) is not None:
-        tables["casing.material"] = iron
-    for place, table in tables.items():
-        for key in ("elastic_modulus_GPa", "density_kg_m3", "rope_modulus_GPa"):
-            value = getattr(table, key, None)
-            if remedy := other_unit(key, value):
-                yield f"{place}.{key} = {value:g}: an unusual value. {remedy.rstrip('.')}"
-
-
-def _small(tree: Any, path: str) -> Iterator[str]:
-    """Values of a table so small that they look as if they were in another unit."""
-    for key, value in tree.items() if isinstance(tree, Mapping) else ():
-        least, factor, units = _LEAST.get(key, (0.0, 1.0, ""))
-        if least and 0.0 < value < least:
-            yield f"{path}.{key} = {value:g}: an unusual value. Convert it if it is in {units % (factor * value)}"
-        yield from _small(value, f"{path}.{key}")
+    for path, value in leaves(scene.model_dump()).items():
+        if path[-1] in MISTAKEN and (remedy := other_unit(path[-1], value)):
+            yield f"{'.'.join(path)} = {value:g}: an unusual value. {remedy.rstrip('.')}"
 
 
 def _mounts(scene: Scene) -> Iterator[str]:
@@ -89,7 +68,7 @@ def _mounts(scene: Scene) -> Iterator[str]:
 
 def _sensors(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     """Sensors at one place, and deep inside a parametric housing, as are positions in another unit."""
-    box = 1000 * np.array(dimensions(scene.housing, layout).box) if isinstance(scene.housing, HousingBase) else None
+    box = None if scene.parametric is None else 1000 * np.array(dimensions(scene.parametric, layout).box)
     names: dict[tuple, str] = {}
     for number, sensor in enumerate(scene.sensors, 1):
         place = f"sensors.{number}.position_mm"
@@ -142,18 +121,18 @@ def _gears(scene: Scene, layout: TrainLayout) -> Iterator[str]:
 
 def _fits(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     """Shafts that are thicker than the bore of a bearing or gear on them."""
-    for _, shaft, place in bearing_names(scene.shafts):
-        table = bearing_table(scene.shafts[shaft], scene.bearings, place)
+    for one in placed_bearings(scene):
+        table, on = one.table, scene.shafts[one.shaft]
         if table.model == "hertz" and table.designation is not None:
-            y, bore = scene.shafts[shaft].bearing_positions_mm[place], 1000 * bore_of(table.designation)
+            y, bore = on.bearing_positions_mm[one.place], 1000 * bore_of(table.designation)
             # at a shoulder the bearing is on the thinner side
-            sections = [(n, s) for n, s in enumerate(scene.shafts[shaft].sections, 1) if s.start_mm <= y <= s.end_mm]
+            sections = [(n, s) for n, s in enumerate(on.sections, 1) if s.start_mm <= y <= s.end_mm]
             number, section = min(sections, key=lambda found: found[1].diameter_mm)
             if section.diameter_mm > bore:
                 yield (
-                    f"shafts.{shaft + 1}.sections.{number}.diameter_mm = {section.diameter_mm:g}: the bore of bearing "
-                    f"{place + 1} on it, {table.designation}, is {bore:g} mm (ISO 15); reduce the diameter, or take a "
-                    "larger bearing"
+                    f"shafts.{one.shaft + 1}.sections.{number}.diameter_mm = {section.diameter_mm:g}: the bore of "
+                    f"bearing {one.place + 1} on it, {table.designation}, is {bore:g} mm (ISO 15); "
+                    "reduce the diameter, or take a larger bearing"
                 )
     for stage_number, (stage, pair, places) in enumerate(
         zip(scene.stages, layout.pairs, layout.pair_shafts, strict=True), 1

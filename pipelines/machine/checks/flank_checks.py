@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from fem.gears.deviations import GRADES, pitch_tolerance
 from fem.gears.flank_deviations import flank_tolerance
 from fem.gears.gear_checks import GeometryError
-from fem.gears.prescribed import PrescribedDeviations, check_prescribed
-from pipelines.io.errors import Problem
+from fem.gears.prescribed import check_prescribed
+from pipelines.io.errors import Problem, Problems
 from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import Drivetrain
 from pipelines.machine.scene_flanks import GEARS, Fault
@@ -21,36 +21,27 @@ LEAST_POSITIONS = 64  # grid points per base pitch of models without such a key
 TYPICAL_STIFFNESS = 18e9  # N/m2: c_gamma of steel pairs, for orders of magnitude only
 
 
-def bad_flanks(scene: Scene, train: Drivetrain) -> Iterator[Problem]:
+def bad_flanks(scene: Scene, train: Drivetrain) -> list[Problem]:
     """Faults that do not fit on their teeth, and deviations that are not possible or are outside ISO 1328-1."""
-    pairs = train.layout.pairs
+    pairs, problems = train.layout.pairs, Problems(GeometryError)
     for number, fault in zip(scene.tooth_faults, train.faults, strict=True):
-        try:
-            fault.damage.check(getattr(pairs[fault.stage - 1], fault.gear))
-        except GeometryError as error:
-            yield Problem(f"faults.{number}", str(error))
+        problems.made(f"faults.{number}", fault.damage.check, getattr(pairs[fault.stage - 1], fault.gear))
     if not scene.deviations.enabled:
-        return
+        return problems
     for number, (stage, mesh) in enumerate(zip(scene.stages, train.parts.meshes, strict=True), 1):
         for name in GEARS:
-            given: PrescribedDeviations | None = getattr(mesh, name).prescribed
+            gear, given = getattr(mesh.pair, name), getattr(mesh, name).prescribed
+            if given is not None:
+                positions = getattr(stage.mesh, "positions", LEAST_POSITIONS)
+                problems.made(f"stages.{number}.{name}.deviations", check_prescribed, gear, given, positions)
             try:
-                if given is not None:
-                    check_prescribed(getattr(mesh.pair, name), given, getattr(stage.mesh, "positions", LEAST_POSITIONS))
-            except GeometryError as error:
-                yield Problem(f"stages.{number}.{name}.deviations", str(error))
-    for number, pair in enumerate(pairs, 1):
-        for name in GEARS:
-            try:
-                pitch_tolerance(getattr(pair, name), scene.deviations.iso_grade)
+                pitch_tolerance(gear, scene.deviations.iso_grade)
                 if set(scene.deviations.include) & {"profile", "helix"}:
-                    flank_tolerance(getattr(pair, name), scene.deviations.iso_grade)
+                    flank_tolerance(gear, scene.deviations.iso_grade)
             except GeometryError as error:
-                yield Problem(
-                    f"stages.{number}",
-                    f"{name}: {error}",
-                    "Set deviations.enabled = false, or delete items of deviations.include.",
-                )
+                remedy = "Set deviations.enabled = false, or delete items of deviations.include."
+                problems.append(Problem(f"stages.{number}", f"{name}: {error}", remedy))
+    return problems
 
 
 def _prescribed_warnings(scene: Scene, layout: TrainLayout) -> Iterator[str]:

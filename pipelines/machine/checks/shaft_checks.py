@@ -13,7 +13,7 @@ import numpy as np
 from mbd.parts.bearings import BEARING_AXES
 from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import AXES, shaft_nodes
-from pipelines.io.errors import Problem
+from pipelines.io.errors import Problem, Problems
 from pipelines.machine.bearing_loads import flank_rows, rigid_row
 from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import MachineModel
@@ -30,6 +30,8 @@ def off_shaft(scene: Scene, layout: TrainLayout) -> Iterator[Problem]:
     """Parts that are beyond the ends of their shaft."""
     placed = [(f"probes.{n}.position_mm", p.shaft - 1, p.position_mm) for n, p in enumerate(scene.probes, 1)]
     placed += [(f"disks.{n}.position_mm", d.shaft - 1, d.position_mm) for n, d in enumerate(scene.disks, 1)]
+    for number, force in enumerate(scene.forces, 1):
+        placed += [(f"forces.{number}.{key}", force.shaft - 1, y) for key, y in force.positions.items()]
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pair_shafts, strict=True), 1):
         placed += [(f"stages.{number}.position_mm", shaft, stage.position_mm) for shaft in pair]
     for number, coupling in enumerate(scene.couplings, 1):
@@ -48,15 +50,14 @@ def off_shaft(scene: Scene, layout: TrainLayout) -> Iterator[Problem]:
             )
 
 
-def long_shafts(machine: MachineParts) -> Iterator[Problem]:
+def long_shafts(machine: MachineParts) -> list[Problem]:
     """Shafts with too many elements."""
+    problems = Problems(MachineError)
     for number, spec in enumerate(machine.shafts, 1):
         on = [mesh.y for mesh in machine.meshes if spec.name in (mesh.driving, mesh.driven)]
         on += [bearing.y for bearing in machine.bearings if bearing.shaft == spec.name]
-        try:
-            shaft_nodes(spec, tuple(on))
-        except MachineError as error:
-            yield Problem(f"shafts.{number}", str(error))
+        problems.made(f"shafts.{number}", shaft_nodes, spec, tuple(on))
+    return problems
 
 
 def unheld(machine: MachineModel) -> Iterator[Problem]:

@@ -86,8 +86,7 @@ def torsions(scene: Scene, layout: TrainLayout) -> list[Torsion]:
     found = []
     for number, (shaft, entering) in enumerate(zip(scene.shafts, torques_along(scene, layout), strict=True), 1):
         places, torques = np.array(sorted(entering)).reshape(-1, 2).T
-        inside = np.cumsum(torques)[:-1]
-        worst: Torsion | None = None
+        inside, sections = np.cumsum(torques)[:-1], []
         for place, section in enumerate(shaft.sections, 1):
             start, end = section.si.start, section.si.end
             crossed = (places[:-1] < end - 1e-9) & (places[1:] > start + 1e-9) & (np.diff(places) > 0)
@@ -95,10 +94,9 @@ def torsions(scene: Scene, layout: TrainLayout) -> list[Torsion]:
             outer, inner = section.si.diameter, section.si.bore
             resistance = math.pi / 16 * outer**3 * (1 - (inner / outer) ** 4)
             stress = torque / resistance if resistance else math.inf
-            if torque and (worst is None or stress > worst.stress):
-                worst = Torsion(shaft=number, section=place, torque=torque, stress=stress, diameter=outer)
-        if worst is not None:
-            found.append(worst)
+            sections.append(Torsion(shaft=number, section=place, torque=torque, stress=stress, diameter=outer))
+        worst = max(sections, key=lambda one: one.stress if one.torque else -1.0)
+        found += [worst] if worst.torque else []
     return found
 
 

@@ -14,7 +14,7 @@ from pipelines.machine.machine_model import Drivetrain
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.torques import RPM
 from pipelines.signals.analysis import SPEED_TOLERANCE, DiagnosisError, DiagnosisSettings, envelope_band
-from pipelines.signals.spectrum import FEWEST_REVOLUTIONS, SpectrumError, whole_revolutions
+from pipelines.signals.spectrum import FEWEST_REVOLUTIONS, Segment, SpectrumError, whole_revolutions
 
 _NO_WINDOWS = "diagnosis.windows_s={} for signals without diagnosis"
 
@@ -37,13 +37,16 @@ def bad_windows(scene: Scene, machine: Drivetrain) -> Iterator[Problem]:
         )
         return
     rate, drive, settings = scene.simulation.output_rate_Hz, machine.parts.profile, machine.diagnosis
-    if settings is None:
-        return
+    assert settings is not None, "there are windows and sensors"
     profile = SpeedProfile(times=drive.times, speeds=drive.speeds / RPM, smooth=drive.smooth)
     for name, window in settings.windows.items():
-        yield from _short_window(scene, settings, name, window)
+        try:
+            segment = whole_revolutions(window, rate, settings.revolution_frequency)
+        except SpectrumError:
+            segment = None
+        yield from _short_window(scene, settings, name, segment)
         if known:
-            yield from _uneven_window(scene, settings, profile, name, window)
+            yield from _uneven_window(scene, profile, name, window, segment)
     highest = settings.highest_line
     if highest >= rate / 2:
         enough = math.ceil(4 * highest)
@@ -57,26 +60,14 @@ def bad_windows(scene: Scene, machine: Drivetrain) -> Iterator[Problem]:
             f"{rate:g}",
         )
     try:
-        low, high = envelope_band(settings, [], rate)
+        envelope_band(settings, [], rate)
     except DiagnosisError as error:
         yield Problem("diagnosis.envelope_band_Hz", str(error), "", '"resonance"')
-    else:
-        if high > rate / 2 and highest < rate / 2:
-            yield Problem(
-                "diagnosis.envelope_band_Hz",
-                f"the band of {low:.4g} to {high:.4g} Hz exceeds half of simulation.output_rate_Hz, {rate / 2:.4g} Hz",
-                "Raise simulation.output_rate_Hz, or set a lower band",
-            )
 
 
-def _short_window(
-    scene: Scene, settings: DiagnosisSettings, name: str, window: tuple[float, float]
-) -> Iterator[Problem]:
-    frequency = settings.revolution_frequency
-    try:
-        revolutions = whole_revolutions(window, scene.simulation.output_rate_Hz, frequency).revolutions
-    except SpectrumError:
-        revolutions = 0
+def _short_window(scene: Scene, settings: DiagnosisSettings, name: str, segment: Segment | None) -> Iterator[Problem]:
+    frequency, window = settings.revolution_frequency, settings.windows[name]
+    revolutions = 0 if segment is None else segment.revolutions
     if revolutions >= FEWEST_REVOLUTIONS:
         return
     held = (window[1] - window[0]) * frequency
@@ -91,13 +82,9 @@ def _short_window(
 
 
 def _uneven_window(
-    scene: Scene, settings: DiagnosisSettings, profile: SpeedProfile, name: str, window: tuple[float, float]
+    scene: Scene, profile: SpeedProfile, name: str, window: tuple[float, float], segment: Segment | None
 ) -> Iterator[Problem]:
-    try:
-        segment = whole_revolutions(window, scene.simulation.output_rate_Hz, settings.revolution_frequency)
-        start, end = segment.start, segment.start + segment.duration
-    except SpectrumError:
-        start, end = window
+    start, end = window if segment is None else (segment.start, segment.start + segment.duration)
     mean = abs(float(np.diff(profile.angle(np.array([start, end])))[0])) / (end - start)
     if abs(mean / profile.highest - 1) > SPEED_TOLERANCE:
         yield Problem(

@@ -68,7 +68,7 @@ def sidebands_figure(found: Curves, names: Sequence[str], kinematics: Kinematics
         marks |= {f"{k:+d} {plain(name)}": mesh + k * ratio for k in sides}
     title = f"Order spectra at {' '.join(found.channel)} around the mesh order of stage {stage}, {_blocks(found)}"
     span = (mesh - reach, mesh + reach)
-    return _panels(found.orders, found.spectrum, names, title, "amplitude, m/s²", span, marks)
+    return _spectra(found.orders, found.spectrum, names, title, "amplitude, m/s²", span, marks)
 
 
 def spectra_figure(found: Curves, names: Sequence[str], kinematics: Kinematics) -> Figure:
@@ -81,7 +81,7 @@ def spectra_figure(found: Curves, names: Sequence[str], kinematics: Kinematics) 
     }
     top = min(float(found.orders[-1]), (MESH_ORDERS + 0.4) * max(meshes.values(), default=found.orders[-1]))
     title = f"Order spectra at {' '.join(found.channel)}, {_blocks(found)}"
-    return _panels(found.orders, found.spectrum, names, title, "amplitude, m/s²", (0.0, top), marks)
+    return _spectra(found.orders, found.spectrum, names, title, "amplitude, m/s²", (0.0, top), marks)
 
 
 def envelopes_figure(found: Curves, names: Sequence[str], kinematics: Kinematics) -> Figure:
@@ -98,51 +98,39 @@ def envelopes_figure(found: Curves, names: Sequence[str], kinematics: Kinematics
     title = (
         f"Envelope order spectra at {' '.join(found.channel)}, of the orders {low:.4g} to {high:.4g}, {_blocks(found)}"
     )
-    return _panels(found.orders, found.envelope, names, title, "share of the mean", (0.0, top), marks | passes)
+    return _spectra(found.orders, found.envelope, names, title, "share of the mean", (0.0, top), marks | passes)
 
 
 def cepstra_figure(found: Curves, names: Sequence[str], kinematics: Kinematics) -> Figure:
     """Real cepstra from half a turn of the fastest shaft on, with the rahmonics of the shafts marked and summed."""
     title = plain(f"Real cepstra at {' '.join(found.channel)}, {_blocks(found)}")
     figure = fixed_figure(1.2 + 1.7 * len(names), title=title, rows=len(names), down=0.45)
-    panels = figure.subplots(len(names), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     ratios = {shaft.name: shaft.ratio for shaft in kinematics.shafts}
-    sums = {name: found.rahmonics(ratio) for name, ratio in ratios.items()}
     end = min(float(found.quefrency[-1]), (RAHMONICS + 0.5) / min(ratios.values()))
     span = (0.5 / max(ratios.values()), end)
-    shown = (found.quefrency > span[0]) & (found.quefrency <= end)
     marks = {
         f"{'' if n == 1 else n} {plain(name)}".strip(): n / ratio
         for name, ratio in ratios.items()
         for n in range(1, RAHMONICS + 1)
     }
-    for number, (axes, name, row) in enumerate(zip(panels, names, found.cepstrum, strict=True)):
-        if number:
-            axes.plot(found.quefrency[shown], found.cepstrum[0][shown], color=BEHIND, lw=0.9)
-        axes.plot(found.quefrency[shown], row[shown], color=SECOND if number else FIRST, lw=0.8)
-        _mark(axes, {label: place for label, place in marks.items() if place <= end}, span, named=not number)
-        known = [f"{shaft} {own[number]:.2f}" for shaft, own in sums.items() if np.isfinite(own[number])]
-        last = number == len(names) - 1
-        summed = f"; sum of {RAHMONICS} rahmonics: {', '.join(known)}" if known else ""
-        dress(axes, plain(name + summed), "quefrency, turns of the first shaft" if last else "", "cepstrum")
-    panels[0].set_xlim(*span)
+    sums = {name: found.rahmonics(ratio) for name, ratio in ratios.items()}
+    titles = []
+    for number, name in enumerate(names):
+        known = ", ".join(f"{shaft} {own[number]:.2f}" for shaft, own in sums.items() if np.isfinite(own[number]))
+        titles.append(f"{name}; sum of {RAHMONICS} rahmonics: {known}" if known else name)
+    shown = (found.quefrency > span[0]) & (found.quefrency <= end)
+    labels = "quefrency, turns of the first shaft", "cepstrum"
+    _panels(figure, titles, found.quefrency[shown], found.cepstrum[:, shown], span, labels, marks)
     return figure
 
 
 def averages_figure(found: Curves, names: Sequence[str]) -> Figure:
     """Time-synchronous averages over a turn of the shaft."""
-    figure = new_figure(0.9 + 1.7 * len(names))
-    panels = figure.subplots(len(names), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    title = plain(f"Time-synchronous averages at {' '.join(found.channel)}, mean over the turns")
+    figure = new_figure(0.9 + 1.7 * len(names), title=title)
     angle = np.arange(found.average.shape[1]) * 360.0 / found.average.shape[1]
-    for number, (axes, name, average) in enumerate(zip(panels, names, found.average, strict=True)):
-        if number:
-            axes.plot(angle, found.average[0], color=BEHIND, lw=0.9)
-        axes.plot(angle, average, color=SECOND if number else FIRST, lw=0.9)
-        axes.set_xlim(0.0, 360.0)
-        turned = ", shifted to match A" if found.turned[number] else ""
-        last = number == len(names) - 1
-        dress(axes, plain(name + turned), f"angle of {found.shaft}, °" if last else "", "m/s²")
-    figure.suptitle(plain(f"Time-synchronous averages at {' '.join(found.channel)}, mean over the turns"))
+    titles = [name + ", shifted to match A" * bool(turned) for name, turned in zip(names, found.turned, strict=True)]
+    _panels(figure, titles, angle, found.average, (0.0, 360.0), (f"angle of {found.shaft}, °", "m/s²"))
     return figure
 
 
@@ -170,7 +158,7 @@ def rms_figure(rms: np.ndarray, sensors: Sequence[str], names: Sequence[str]) ->
     return figure
 
 
-def _panels(
+def _spectra(
     orders: np.ndarray,
     rows: np.ndarray,
     names: Sequence[str],
@@ -179,25 +167,45 @@ def _panels(
     span: tuple[float, float],
     marks: Mapping[str, float],
 ) -> Figure:
-    """A panel for each recording with the first one behind; the first panel has the names of the marks."""
-    figure = new_figure(0.9 + 1.7 * len(names))
-    panels = figure.subplots(len(names), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
-    shown, lines = (orders > span[0]) & (orders <= span[1]), 0
-    for number, (axes, name, row) in enumerate(zip(panels, names, rows, strict=True)):
-        if number:
-            axes.semilogy(orders[shown], rows[0][shown], color=BEHIND, lw=0.9)
-        axes.semilogy(orders[shown], row[shown], color=SECOND if number else FIRST, lw=0.8)
-        axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a logarithmic axis take half the time of a figure
-        inside = {label: order for label, order in marks.items() if order <= span[1]}
-        lines = max(lines, _mark(axes, inside, span, named=not number))
-        dress(axes, plain(name), "order of the first shaft" if number == len(names) - 1 else "", unit)
+    """Logarithmic panels, whose curves are below the names of the marks."""
+    figure = new_figure(0.9 + 1.7 * len(names), title=plain(title))
+    shown = (orders > span[0]) & (orders <= span[1])
+    labels = "order of the first shaft", unit
+    panels, lines = _panels(figure, names, orders[shown], rows[:, shown], span, labels, marks)
     high = 2.0 * float(rows[:, shown].max())
-    low = max(0.5 * float(np.min(rows[:, shown])), high / 10**DECADES)
+    low = max(0.5 * float(rows[:, shown].min()), high / 10**DECADES)
     share = 1.0 - min(_NAME * lines, 0.6)  # of the height for the curves, below the names
+    panels[0].set_yscale("log")
     panels[0].set_ylim(low, low * (high / low) ** (1.0 / share))
-    panels[0].set_xlim(*span)
-    figure.suptitle(plain(title))
+    for axes in panels:
+        axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a logarithmic axis take half the time of a figure
     return figure
+
+
+def _panels(
+    figure: Figure,
+    titles: Sequence[str],
+    places: np.ndarray,
+    rows: np.ndarray,
+    span: tuple[float, float],
+    labels: tuple[str, str],
+    marks: Mapping[str, float] | None = None,
+) -> tuple[Sequence[Axes], int]:
+    """A panel for each recording with the first one behind; the first panel has the names of the marks, in rows.
+
+    Returns the panels and the number of these rows.
+    """
+    panels = figure.subplots(len(titles), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    lines = 0
+    inside = {label: place for label, place in (marks or {}).items() if place <= span[1]}
+    for number, (axes, title, row) in enumerate(zip(panels, titles, rows, strict=True)):
+        if number:
+            axes.plot(places, rows[0], color=BEHIND, lw=0.9)
+        axes.plot(places, row, color=SECOND if number else FIRST, lw=0.8)
+        lines = max(lines, _mark(axes, inside, span, named=not number))
+        dress(axes, plain(title), labels[0] if number == len(titles) - 1 else "", labels[1])
+    panels[0].set_xlim(*span)
+    return list(panels), lines
 
 
 def _mark(axes: Axes, marks: Mapping[str, float], span: tuple[float, float], *, named: bool) -> int:

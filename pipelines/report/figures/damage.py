@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 from fem.gears.sector_mesh import root_chord
 from pipelines.report.figures.damaged_tooth import DrawnTooth, ToothSection, cut_down, stations, surface_of
-from pipelines.report.figures.tooth_surfaces import swept
+from pipelines.report.figures.tooth_surfaces import swept, twist
 
 DRAWN_DEPTH = 0.12  # modules: depth of wear in the picture
 _ROUND = (1.0, 2.0, 5.0)
@@ -33,20 +34,17 @@ def needs_law(faults: Sequence[ToothFault]) -> bool:
     return any(type(fault) not in DRAWN for fault in faults)
 
 
-def drawn_tooth(
-    pair: GearPair, law: MeshLaw | None, gear: str, twist: float, faults: Sequence[ToothFault]
-) -> DrawnTooth:
+def drawn_tooth(pair: GearPair, law: MeshLaw | None, gear: str, faults: Sequence[ToothFault]) -> DrawnTooth:
     """Damaged tooth of "pinion" or "wheel" with all of `faults`.
 
     Parameters
     ----------
     pair, law : the gears in mesh, and the law of their drive flank, None if `needs_law` is false
     gear : "pinion" or "wheel"
-    twist : of the section along the face, rad/m
     faults : of the tooth
     """
     fine = any(isinstance(fault, FlankDamage) for fault in faults)
-    section = ToothSection(gear=getattr(pair, gear), twist=twist, flank_points=96 if fine else 24)
+    section = ToothSection(gear=getattr(pair, gear), flank_points=96 if fine else 24)
     edges = [edge for fault in faults for edge in _edges(fault, pair.face_width)]
     face = stations(pair.face_width, edges, 161 if fine else 25)
     height = np.full(face.size, np.inf)
@@ -70,66 +68,65 @@ def drawn_tooth(
         depth=np.concatenate([depth.ravel(), [0.0, 0.0]]),
         scale=scale,
     )
+    words: list[str] = []
     for fault in faults:
-        tooth = DRAWN.get(type(fault), _with_wear)(tooth, section, pair, fault)
-    return tooth
+        changes = DRAWN.get(type(fault), _wear)(tooth, section, pair, fault)
+        words.append(changes.pop("words"))
+        tooth = replace(tooth, **changes)
+    return replace(tooth, words="; ".join(dict.fromkeys(words)))
 
 
-def _with_wear(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: ToothFault) -> DrawnTooth:
-    deepest = 1e6 * tooth.depth.max()
-    return _told(tooth, f"up to {deepest:.3g} µm removed from the flank{_scaled(tooth)}")
+def _wear(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: ToothFault) -> dict[str, Any]:
+    return {"words": f"up to {1e6 * tooth.depth.max():.3g} µm removed from the flank{_scaled(tooth)}"}
 
 
-def _with_spall(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: SpalledTooth) -> DrawnTooth:
+def _spall(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: SpalledTooth) -> dict[str, Any]:
     size = f"{1000 * fault.height:.3g} x {1000 * fault.length:.3g} mm, {1e6 * fault.depth:.3g} µm deep"
-    words = f"spall on the {fault.flank} flank: {size}{_scaled(tooth)}"
-    return replace(_told(tooth, words), flank=1 if fault.flank == "drive" else -1)
+    return {"words": f"spall on the {fault.flank} flank: {size}{_scaled(tooth)}", "flank": _flank(fault)}
 
 
-def _with_pits(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: PittedTooth) -> DrawnTooth:
-    words = f"{len(fault.patches(section.gear))} pits on the {fault.flank} flank{_scaled(tooth)}"
-    return replace(_told(tooth, words), flank=1 if fault.flank == "drive" else -1)
+def _pits(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: PittedTooth) -> dict[str, Any]:
+    count = len(fault.patches(section.gear))
+    return {"words": f"{count} pits on the {fault.flank} flank{_scaled(tooth)}", "flank": _flank(fault)}
 
 
-def _with_chip(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: ChippedTooth) -> DrawnTooth:
+def _chip(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: ChippedTooth) -> dict[str, Any]:
     piece = "corner" if fault.corner else "piece"
     words = f"{piece} broken off: {1000 * fault.depth:.3g} mm deep, {1000 * fault.extent:.3g} mm long"
-    return replace(_told(tooth, words), end=_side(fault.end))
+    return {"words": words, "end": _side(fault.end)}
 
 
-def _with_crack(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: CrackedTooth) -> DrawnTooth:
+def _crack(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: CrackedTooth) -> dict[str, Any]:
     """Crack surface inside the tooth, and its edges in the fillet and on the end face."""
     inside, depth = crack_depth(fault, pair.face_width)
     radius, chord = root_chord(section.gear)
-    side = 1.0 if fault.flank == "drive" else -1.0
+    side = _flank(fault)
     mouth = np.array([math.sqrt(radius**2 - chord**2 / 4), side * chord / 2])
     inwards = np.array([-math.cos(fault.angle), -side * math.sin(fault.angle)])
-    along = np.linspace(0.0, 1.0, 9)
-    flat = mouth + along[None, :, None] * depth[:, None, None] * inwards
-    sheet = swept(flat, section.twist, inside[:, None])
+    flat = mouth + np.linspace(0.0, 1.0, 9)[None, :, None] * depth[:, None, None] * inwards
+    sheet = swept(flat, twist(section.gear), inside[:, None])
     ends = [sheet[row] for row in (0, -1) if abs(abs(inside[row]) - pair.face_width / 2) < 1e-9]
-    extent = pair.face_width if fault.extent is None else fault.extent
     falling = "" if fault.far_depth is None else f" to {1000 * fault.far_depth:.3g}"
-    words = f"crack {1000 * fault.depth:.3g}{falling} mm deep from the fillet, {1000 * extent:.3g} mm long"
-    return replace(
-        _told(tooth, words),
-        sheets=(*tooth.sheets, sheet),
-        lines=(*tooth.lines, sheet[:, 0], *ends),
-        end=0 if fault.extent is None else _side(fault.end),
-        flank=int(side),
-    )
+    size = f"{1000 * fault.depth:.3g}{falling} mm deep from the fillet, {1000 * np.ptp(inside):.3g} mm long"
+    return {
+        "words": f"crack {size}",
+        "sheets": (*tooth.sheets, sheet),
+        "lines": (*tooth.lines, sheet[:, 0], *ends),
+        "end": 0 if fault.extent is None else _side(fault.end),
+        "flank": side,
+    }
 
 
-def _with_gap(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: MissingTooth) -> DrawnTooth:
-    return replace(_told(tooth, "tooth broken off at the root"), missing=True)
+def _gap(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: MissingTooth) -> dict[str, Any]:
+    return {"words": "tooth broken off at the root", "missing": True}
 
 
-DRAWN: dict[type[ToothFault], Callable[..., DrawnTooth]] = {
-    ChippedTooth: _with_chip,
-    CrackedTooth: _with_crack,
-    MissingTooth: _with_gap,
-    SpalledTooth: _with_spall,
-    PittedTooth: _with_pits,
+DRAWN: dict[type[ToothFault], Callable[..., dict[str, Any]]] = {  # what a fault changes in the picture of its tooth
+    ChippedTooth: _chip,
+    CrackedTooth: _crack,
+    MissingTooth: _gap,
+    SpalledTooth: _spall,
+    PittedTooth: _pits,
 }
 
 
@@ -216,10 +213,9 @@ def _edges(fault: ToothFault, face_width: float) -> list[float]:
     return [] if extent is None else [_side(end) * (face_width / 2 - extent)]
 
 
+def _flank(fault: CrackedTooth | PittedTooth | SpalledTooth) -> int:
+    return 1 if fault.flank == "drive" else -1
+
+
 def _side(end: str) -> int:
     return 1 if end == "+y" else -1
-
-
-def _told(tooth: DrawnTooth, words: str) -> DrawnTooth:
-    known = tooth.words.split("; ") if tooth.words else []
-    return replace(tooth, words="; ".join(dict.fromkeys([*known, words])))

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from fem.gears.gear import Gear
 from fem.gears.profile import half_tooth_profile
-from pipelines.report.figures.tooth_surfaces import fanned
+from pipelines.report.figures.tooth_surfaces import fanned, twist
 
 WALL = 1e-5  # of the face width
 
@@ -41,14 +42,14 @@ class ToothSection:
     """Transverse section of a tooth without damage."""
 
     gear: Gear
-    twist: float  # rad per m along z
-    flank_points: int = 24
-    points: np.ndarray = field(init=False)  # (k, 2)
+    flank_points: int
 
-    def __post_init__(self) -> None:
+    @cached_property
+    def points(self) -> np.ndarray:
+        """Of the section (k, 2), m."""
         half = half_tooth_profile(self.gear, n_fillet=10, n_flank=self.flank_points, n_tip=4)
         tooth = np.vstack([half[:-1], half[::-1] * [-1.0, 1.0]])
-        object.__setattr__(self, "points", np.column_stack([tooth[:, 1], -tooth[:, 0]]))
+        return np.column_stack([tooth[:, 1], -tooth[:, 0]])
 
     @property
     def radius(self) -> np.ndarray:
@@ -78,7 +79,7 @@ def surface_of(
     -------
     points (n, 3), quads (q, 4), and which of them are faces of fracture (q,)
     """
-    points, quads = fanned(flat, section.twist, face)
+    points, quads = fanned(flat, twist(section.gear), face)
     after = np.roll(np.arange(flat.shape[1]), -1)
     step = np.diff(face)[:, None] < WALL * np.ptp(face)  # a wall is between stations that nearly coincide
     torn = np.where(step, broken[:-1] | broken[1:], broken[:-1] & broken[1:])

@@ -42,7 +42,7 @@ def gear_figure(
     shown = 1 + (near is not None) + (curve is not None)
     height, width = 5.0, 6.25 * shown
     if title:  # of several lines, and perhaps a scale of wear: a layout engine makes room for them
-        figure = new_figure(height, width)
+        figure = new_figure(height, width, plain(title))
     else:
         figure = fixed_figure(height, width, columns=shown, left=0.05, across=0.85)
     left, *rest = np.atleast_1d(figure.subplots(1, shown, width_ratios=[1.05 if title else 0.95, *[1.0] * (shown - 1)]))
@@ -68,8 +68,6 @@ def gear_figure(
             arrowprops={"arrowstyle": "-|>", "color": FAULTY, "shrinkB": 4} if marked else None,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
         )
-    if title:
-        figure.suptitle(plain(title))
     return figure
 
 
@@ -85,8 +83,8 @@ def _free_corner(box: tuple[float, float, float, float], column: float, row: flo
 
 def _draw_tooth(axes: Axes, near: Picture, tooth: DrawnTooth | None) -> None:
     """Damaged tooth with a description of its damage, and a scale of depth if it is worn."""
-    show(axes, near, whole=True)
-    corner_axes(axes, near)
+    _, right, _, bottom = show(axes, near, whole=True)
+    draw_axes(axes, near, (0.09 * right, 0.88 * bottom))
     if tooth is None:
         return
     axes.set_title(textwrap.fill(tooth.words, 52), fontsize=11, color=FAULTY, fontweight="bold")
@@ -124,8 +122,7 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
             )
     draw_axes(axes, picture, (right - 0.06 * (right - left), bottom))
     width = 0.16 * (right - left)
-    axes.set_xlim(left - width, right + width)
-    axes.set_ylim(bottom + LABEL_HEIGHT, top - LABEL_HEIGHT)
+    axes.set(xlim=(left - width, right + width), ylim=(bottom + LABEL_HEIGHT, top - LABEL_HEIGHT))
     counts = {kind: sum(kind_of(name) == kind for name in points) for kind in KINDS}
     handles = [
         Line2D([], [], marker="o", ls="", color=POINTS[kind], label=f"{kind} points ({counts[kind]})") for kind in KINDS
@@ -156,26 +153,17 @@ def show(axes: Axes, picture: Picture, *, whole: bool = False) -> tuple[float, f
         rows, columns = np.array([0, ink.shape[0] - 1]), np.array([0, ink.shape[1] - 1])
     border = 0.02 * float(columns[-1] - columns[0])
     box = (columns[0] - border, columns[-1] + border, rows[0] - border, rows[-1] + border)
-    axes.set_xlim(box[0], box[1])
-    axes.set_ylim(box[3], box[2])
+    axes.set(xlim=box[:2], ylim=(box[3], box[2]))
     return box
-
-
-def corner_axes(axes: Axes, picture: Picture) -> None:
-    """Draw the directions of a picture with the place "mesh" in its lower left corner."""
-    rows, columns = picture.image.shape[:2]
-    places = dict(picture.places) | {"origin": picture.places["mesh"]}
-    draw_axes(axes, Picture(image=picture.image, places=places), (0.09 * columns, 0.88 * rows))
 
 
 def draw_axes(axes: Axes, picture: Picture, corner: tuple[float, float]) -> None:
     """Draw the global directions as arrows from a corner of the picture (column, row)."""
-    shift = np.array(corner) - np.array(picture.places["origin"])
+    origin = np.array(picture.places["origin"])
     for axis in AXES:
-        arrow = np.array(picture.places[axis]) - np.array(picture.places["origin"])
-        start = np.array(picture.places["origin"]) + shift
-        tip, label = start + arrow, start + 1.2 * arrow
+        arrow = np.array(picture.places[axis]) - origin
+        tip, label = corner + arrow, corner + 1.2 * arrow
         style = {"arrowstyle": "-|>", "lw": 1.6, "color": "black", "shrinkA": 0}
-        axes.annotate("", (tip[0], tip[1]), xytext=(start[0], start[1]), arrowprops=style)
+        axes.annotate("", (tip[0], tip[1]), xytext=corner, arrowprops=style)
         axes.annotate(axis, (label[0], label[1]), ha="center", va="center", fontsize=11, fontweight="bold",
                       bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8})  # fmt: skip

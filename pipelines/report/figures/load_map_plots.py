@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+import xarray
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
 from pipelines.report.figures.colours import PAIR_COLOURS
 from pipelines.report.figures.pattern_pictures import draw_pattern
 from pipelines.report.figures.plots import dress, new_figure, plain
-
-if TYPE_CHECKING:
-    import xarray
 
 _ORDERS = 5  # that are drawn
 
@@ -27,9 +23,9 @@ def load_map_figure(title: str, found: xarray.Dataset) -> Figure:
     found : of `pipelines.runs.load_map.load_map`
     """
     states = [str(one) for one in found.state.values]
-    figure = new_figure(7.6 + 2.7 * len(states), 13.0)
     lines = f"dashed: {states[0]}; solid: {states[1]}" if len(states) > 1 else states[0]
-    figure.suptitle(f"{plain(title)}\nhealthy pair without deviations, {plain(lines)}")
+    whole = f"{plain(title)}\nhealthy pair without deviations, {plain(lines)}"
+    figure = new_figure(7.6 + 2.7 * len(states), 13.0, whole)
     (cycle, ranges, orders), (pressure, load, root), *patterns = figure.subplots(2 + len(states), 3)
     torques = found.pattern_torque.values
     colours = colormaps["viridis"](np.linspace(0.0, 0.8, torques.size))
@@ -61,12 +57,16 @@ def load_map_figure(title: str, found: xarray.Dataset) -> Figure:
         for gear, colour in (("pinion", PAIR_COLOURS[0]), ("wheel", PAIR_COLOURS[1])):
             stress = own.root_stress.sel(gear=gear)[-1] / 1e6
             root.plot(1e3 * own.root_face, stress, style, color=colour, label=gear if style == "-" else None)
-    dress(cycle, "transmission error less its mean", "mesh cycle", "µm")
-    dress(ranges, "peak-to-peak transmission error", "torque on the pinion, N m", "µm")
-    dress(orders, "amplitudes of the mesh orders", "torque on the pinion, N m", "µm")
-    dress(pressure, "largest pressure on the active flanks", "y from mid face, mm", "Hertz pressure, MPa")
-    dress(load, "mean line load of all tooth pairs", "y from mid face, mm", "N/mm")
-    dress(root, f"root stress at {float(found.torque[-1]):.4g} N m", "y from mid face, mm", "von Mises stress, MPa")
+    most_torque = float(found.torque[-1])
+    for axes, *texts in (
+        (cycle, "transmission error less its mean", "mesh cycle", "µm"),
+        (ranges, "peak-to-peak transmission error", "torque on the pinion, N m", "µm"),
+        (orders, "amplitudes of the mesh orders", "torque on the pinion, N m", "µm"),
+        (pressure, "largest pressure on the active flanks", "y from mid face, mm", "Hertz pressure, MPa"),
+        (load, "mean line load of all tooth pairs", "y from mid face, mm", "N/mm"),
+        (root, f"root stress at {most_torque:.4g} N m", "y from mid face, mm", "von Mises stress, MPa"),
+    ):
+        dress(axes, *texts)
     for axes in (ranges, orders, pressure, load, root):
         axes.set_ylim(0.0, (1.5 if axes is load else 1.3) * axes.get_ylim()[1])  # room for the legend
     low, high = cycle.get_ylim()

@@ -110,12 +110,11 @@ def sheet_figure(views: Sequence[ModeView], stills: Sequence[Picture]) -> Figure
 
 def mode_figure(view: ModeView, picture: Picture, size: np.ndarray) -> Figure:
     """One frame with title, axes and colour scale."""
-
-    figure = new_figure(6.2, 9.5)
+    title = f"{plain(view.title)}\nmode {view.number}: {view.frequency:.1f} Hz"
+    figure = new_figure(6.2, 9.5, title)
     axes = figure.subplots()
     _, right, _, bottom = show(axes, picture, whole=True)
     draw_axes(axes, picture, (0.86 * right, 0.95 * bottom))
-    figure.suptitle(f"{plain(view.title)}\nmode {view.number}: {view.frequency:.1f} Hz")
     length, width, height = (1000 * v for v in size)
     axes.text(
         0.0,

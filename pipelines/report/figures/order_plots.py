@@ -84,8 +84,7 @@ def campbell_figure(
         place = min(frequencies[1], 0.97 * top)
         height = ends[1] if frequencies[1] <= top else place * 2 * np.pi / order
         axes.text(place, height * RPM, f" {order:g}", color="white", fontsize=8, va="top")
-    axes.set_xlim(0.0, top)
-    axes.set_ylim(0.0, 1.02 * float(ends[1]) * RPM)
+    axes.set(xlim=(0.0, top), ylim=(0.0, 1.02 * float(ends[1]) * RPM))
     dress(axes, title, "frequency, Hz; circles: natural frequencies, dashed: orders", "speed, rpm")
     return figure
 

@@ -8,19 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
 from fem.contact.evaluation.mesh_cycle import ORDERS, order_amplitudes
 from pipelines.report.figures.colours import FAULTY, HEALTHY
 from pipelines.signals.analysis import channel
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.axes import Axes
 
 FIRST, SECOND = "#2a6f97", "#e08e0b"
 MARK, GRID = "#6b6b6b", "#dddddd"
@@ -44,9 +42,12 @@ class StiffnessPlot:
     label: str = ""
 
 
-def new_figure(height: float, width: float = WIDTH) -> Figure:
-    """Empty figure (inches) with automatic layout."""
-    return Figure(figsize=(width, height), layout="constrained")
+def new_figure(height: float, width: float = WIDTH, title: str = "") -> Figure:
+    """Empty figure (inches) with automatic layout and a title, "" for none."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    if title:
+        figure.suptitle(title)
+    return figure
 
 
 def fixed_figure(
@@ -198,17 +199,19 @@ def plain_symbols(name: str) -> str:
     return plain(name).replace("f_r", "fᵣ").replace("f_m", "fₘ")
 
 
-def dress(axes: Axes, title: str, x: str, y: str) -> None:
+def dress(axes: Axes, title: str, x: str, y: str, *, letters: float = 10.0) -> None:
     """Add title, labels and grid.
 
     Parameters
     ----------
     axes : the axes
     title, x, y : texts, those of the axes with their units
+    letters : size of all texts, points
     """
-    axes.set_title(title, fontsize=10, loc="left", y=1.0)
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)
+    axes.set_title(title, fontsize=letters, loc="left", y=1.0)
+    axes.set_xlabel(x, fontsize=letters)
+    axes.set_ylabel(y, fontsize=letters)
+    axes.tick_params(labelsize=letters)
     figure = axes.get_figure()
     if figure is not None and figure.get_layout_engine() is None:  # fixed places: else matplotlib measures all numbers
         below = axes.transAxes + ScaledTranslation(0.0, -LABEL_BELOW, figure.dpi_scale_trans)
@@ -267,8 +270,8 @@ def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) 
     stages = list(dict.fromkeys(error.stage for error in errors))
     faulty = {error.stage for error in errors if error.passages}
     entries = max(sum(len(error.states) for error in errors if error.stage == stage) for stage in stages)
-    figure = new_figure(0.7 + (3.6 + 0.1 * max(0, entries - 6)) * (len(stages) + len(faulty)), 11.0)
-    figure.suptitle(f"{plain(title)}\ntransmission error without deviations")
+    height = 0.7 + (3.6 + 0.1 * max(0, entries - 6)) * (len(stages) + len(faulty))
+    figure = new_figure(height, 11.0, f"{plain(title)}\ntransmission error without deviations")
     grid, row = figure.add_gridspec(len(stages) + len(faulty), 2, width_ratios=[1.2, 1.0]), 0
     for stage in stages:
         curves, lines = (figure.add_subplot(grid[row, column]) for column in (0, 1))

@@ -17,13 +17,14 @@ from typing import Any
 
 import numpy as np
 
+from fem.gears.geometry import GearPair
 from fem.processes.child import command, environment
 from pipelines.io.errors import InputError
 from pipelines.report.figures import render_failures
 from pipelines.report.figures.damaged_tooth import DrawnTooth, turned_in
 from pipelines.report.figures.gear_frame import placed, rotated
 from pipelines.report.figures.tooth_mesh_frames import MeshFrames, MeshView
-from pipelines.report.figures.tooth_surfaces import gear_surface, prism_surface, without_tooth
+from pipelines.report.figures.tooth_surfaces import gear_surface, outline, prism_surface, twist, web, without_tooth
 from pipelines.report.figures.views import GearPairView, NotRendered, Picture, Teeth
 
 log = logging.getLogger(__name__)
@@ -49,21 +50,22 @@ def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Pic
 
 
 def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Picture:
-    """Render the damaged tooth on its gear, enlarged, without the mate; places "mesh", "x", "y", "z" at the tooth."""
+    """Render the damaged tooth on its gear, enlarged, without the mate; places "origin", "x", "y", "z" at the tooth."""
     arrays, places = _gear_arrays(view)
-    gear, tooth = view.marked_gear, view.tooth
+    assert view.marked is not None, "a view with a damaged tooth"
+    gear, tooth = view.marked[0], view.tooth
     mate = "wheel" if gear == "pinion" else "pinion"
     arrays = {name: value for name, value in arrays.items() if not name.startswith(f"{mate}_")}
     arrays["near"] = np.array(True)
-    centre, teeth = view.centre(gear), getattr(view, gear).teeth
+    centre, teeth = view.centre(gear), getattr(view.pair, gear).teeth
     radius = float(np.linalg.norm(places["marked"][:2] - [centre, 0.0]))
-    half = 0.62 * max(view.face_width, 4 * np.pi * radius / teeth)
+    half = 0.62 * max(view.pair.face_width, 4 * np.pi * radius / teeth)
     outward, around = turned_in(np.eye(3)[:2], view.marked_angle, 0.0)
     end = view.sense * view.seen_from
     toward = 0.7 * outward + 0.6 * (tooth.flank if tooth is not None else 1) * around + 0.55 * end * np.eye(3)[2]
     direction, up = (tuple(rotated(vector, view.frame).tolist()) for vector in (toward, outward))
     middle = placed(turned_in(np.array([radius, 0.0, 0.0]), view.marked_angle, centre), view.frame)
-    named = {"mesh": middle} | _directions(middle, 0.2 * half)
+    named = _directions(middle, 0.2 * half)
     focus = (*middle.tolist(), half)
     return _render("gears", "damaged tooth", arrays, named, size=size, direction=direction, up=up, focus=focus)[0]
 
@@ -73,29 +75,29 @@ def _in_scene(places: Mapping[str, np.ndarray], view: GearPairView) -> dict[str,
 
 
 def _directions(origin: np.ndarray, length: float) -> dict[str, np.ndarray]:
-    return {axis: origin + length * np.eye(3)[i] for i, axis in enumerate("xyz")}
+    return {"origin": origin} | {axis: origin + length * np.eye(3)[i] for i, axis in enumerate("xyz")}
 
 
 def _gear_arrays(view: GearPairView) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Surfaces of the gears and of the damaged tooth, and the places of their names."""
     front, places = _front(view), {}
     arrays: dict[str, Any] = {
-        "marked_gear": np.array(view.marked_gear),
+        "marked_gear": np.array(view.marked[0] if view.marked else ""),
         "marked_missing": np.array(view.missing),
         "frame": view.frame,
     }
-    for name, gear in (("pinion", view.pinion), ("wheel", view.wheel)):
-        shift, outline = np.array([view.centre(name), 0.0, 0.0]), gear.outline
-        if name == view.marked_gear:
-            outline, tooth = without_tooth(outline, gear.teeth, view.marked_angle)
-            points, quads = prism_surface(tooth, gear.twist, view.face_width)
+    for name, gear in (("pinion", view.pair.pinion), ("wheel", view.pair.wheel)):
+        shift, section = np.array([view.centre(name), 0.0, 0.0]), outline(gear, view.zero_angle(name))
+        if view.marked and name == view.marked[0]:
+            section, tooth = without_tooth(section, gear.teeth, view.marked_angle)
+            points, quads = prism_surface(tooth, twist(gear), view.pair.face_width)
             arrays["marked_points"], arrays["marked_quads"] = points + shift, quads
             if view.tooth is not None and not view.tooth.missing:
                 arrays |= _tooth_arrays(view.tooth, view.marked_angle, view.centre(name))
-            angle = view.marked_angle + gear.twist * float(front[2])
+            angle = view.marked_angle + twist(gear) * float(front[2])
             middle = np.hypot(*tooth.T).mean() * np.array([np.cos(angle), np.sin(angle), 0.0])
             places["marked"] = middle + front + shift
-        points, quads = gear_surface(outline, gear.bore, gear.twist, view.face_width, web=gear.web)
+        points, quads = gear_surface(section, gear.bore_radius, twist(gear), view.pair.face_width, web=web(gear))
         arrays[f"{name}_points"], arrays[f"{name}_quads"] = points + shift, quads
         places[name] = front + shift
     return arrays, places
@@ -131,7 +133,7 @@ def render_casing(
         chosen = [place for name, place in points.items() if kind_of(name) == kind]
         arrays[f"{kind}_points"] = np.array(chosen, dtype=float).reshape(-1, 3)
     low = nodes.min(axis=0)
-    places = {**points, "origin": low, **_directions(low, 0.12 * float(np.linalg.norm(np.ptp(nodes, axis=0))))}
+    places = {**points, **_directions(low, 0.12 * float(np.linalg.norm(np.ptp(nodes, axis=0))))}
     return _render("casing", "casing", arrays, places, size=size, direction=FROM_FRONT, zoom=1.1)[0]
 
 
@@ -150,14 +152,14 @@ def render_mode(
     diagonal, low = float(np.linalg.norm(np.ptp(nodes, axis=0))), nodes.min(axis=0)
     arrays = {"nodes": nodes, "triangles": triangles, "shape": shape, "reach": np.array(0.08 * diagonal)}
     arrays["frames"] = np.array(frames)
-    places = {"origin": low} | _directions(low, 0.1 * diagonal)
+    places = _directions(low, 0.1 * diagonal)
     return _render("mode", "casing mode", arrays, places, size=size, direction=FROM_FRONT, zoom=1.35, frames=frames)
 
 
 def render_mesh(
     view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float, size: tuple[int, int] = (900, 620)
 ) -> list[Picture]:
-    """Render the translucent teeth in mesh at every cycle, with their contact lines; places "mesh", "x", "y", "z".
+    """Render the translucent teeth in mesh at every cycle, with their contact lines; places "origin", "x", "y", "z".
 
     Parameters
     ----------
@@ -184,7 +186,7 @@ def render_mesh(
 def _frame_arrays(
     view: GearPairView, cycles: np.ndarray, frames: MeshFrames
 ) -> tuple[dict[str, Any], dict[str, np.ndarray], tuple[float, float, float, float]]:
-    half = 0.75 * max(view.face_width, 9 * view.centre_distance / (view.pinion.teeth + view.wheel.teeth))
+    half = 0.75 * max(view.pair.face_width, 9 * _module(view.pair) / 2)
     return _mesh_arrays(view, cycles, frames.points, frames.load, half, 0.02)
 
 
@@ -199,25 +201,29 @@ def _mesh_arrays(
     points, load : of the contact lines, m and N/m
     half, radius : half of the height of the picture, m, and radius of the contact lines divided by it
     """
-    pitch = view.centre_distance * view.pinion.teeth / (view.pinion.teeth + view.wheel.teeth)
+    pitch = _module(view.pair) * view.pair.pinion.teeth / 2
     arrays, _ = _gear_arrays(view)
     arrays |= {
         "line_points": points,
         "line_load": load,
         "line_radius": np.array(radius * half),
-        "seen": np.array([pitch, 2.5 * half]),
         "toward": 6 * half * np.array(_mesh_direction(view)) @ view.frame[:3, :3],  # parallel: nothing hides them
-        "centre_distance": np.array(view.centre_distance),
-        "pinion_turn": 2 * np.pi * cycles / view.pinion.teeth,
-        "wheel_turn": -2 * np.pi * cycles / view.wheel.teeth,
+        "centre_distance": np.array(view.pair.axis_distance),
+        "pinion_turn": 2 * np.pi * cycles / view.pair.pinion.teeth,
+        "wheel_turn": -2 * np.pi * cycles / view.pair.wheel.teeth,
     }
     middle = placed(np.array([pitch, 0.0, 0.0]), view.frame)
-    return arrays, {"mesh": middle} | _directions(middle, 0.2 * half), (*middle.tolist(), half)
+    return arrays, _directions(middle, 0.2 * half), (*middle.tolist(), half)
+
+
+def _module(pair: GearPair) -> float:
+    """Transverse module of the working pitch circles, m."""
+    return 2 * pair.axis_distance / (pair.pinion.teeth + pair.wheel.teeth)
 
 
 def _front(view: GearPairView) -> np.ndarray:
     """Vector from mid face to the visible end, in the frame of the gears."""
-    return np.array([0.0, 0.0, view.sense * view.seen_from * view.face_width / 2])
+    return np.array([0.0, 0.0, view.sense * view.seen_from * view.pair.face_width / 2])
 
 
 def _mesh_direction(view: GearPairView) -> tuple[float, float, float]:
@@ -242,7 +248,6 @@ def show_mesh(view: MeshView, image: Path | None = None) -> None:
         own |= {
             "most_load": np.array(view.most_load),
             "toward": np.zeros(3),
-            "seen": np.array([0.0, np.inf]),  # the user can turn and move the view
             "curve_cycle": state.curve.cycle,
             "secant": state.curve.secant,
             "share": state.curve.share,
@@ -270,7 +275,7 @@ def show_mesh(view: MeshView, image: Path | None = None) -> None:
 def render_stress(
     view: GearPairView, cycle: float, teeth: Teeth, most: float, root: np.ndarray, size: tuple[int, int] = (1000, 620)
 ) -> Picture:
-    """Render loaded teeth coloured by von Mises stress; places "mesh", "pinion", "wheel", "root", "x", "y", "z".
+    """Render loaded teeth coloured by von Mises stress; places "pinion", "wheel", "root", "origin", "x", "y", "z".
 
     Parameters
     ----------
@@ -281,8 +286,8 @@ def render_stress(
     root : (3,) place of the largest root stress, as the points of the teeth
     size : width and height of the picture, pixels
     """
-    module = view.centre_distance * 2 / (view.pinion.teeth + view.wheel.teeth)
-    half, pitch = 0.56 * max(view.face_width, 9 * module), module * view.pinion.teeth / 2
+    module = _module(view.pair)
+    half, pitch = 0.56 * max(view.pair.face_width, 9 * module), module * view.pair.pinion.teeth / 2
     arrays, places, focus = _mesh_arrays(view, np.array([cycle]), teeth.line_points, teeth.line_load, half, 0.011)
     arrays |= {"points": teeth.points, "cells": teeth.cells, "von_mises": teeth.von_mises, "most": np.array(most)}
     sides = (("pinion", -1), ("wheel", 1))

@@ -82,15 +82,21 @@ class Placed:
 
 def draw_gears(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
     """Draw the gears with given arrays, and the damaged tooth."""
-    there = Placed(plotter, arrays["frame"])
+    opacity = 0.35 if "sheet_0" in arrays and "near" in arrays else 1.0  # a crack is inside
+    _draw_pair(Placed(plotter, arrays["frame"]), arrays, opacity, 0.45 if arrays["marked_missing"] else 1.0)
+
+
+def _draw_pair(there: Placed, arrays: dict[str, np.ndarray], opacity: float, marked: float) -> dict[str, list[Any]]:
+    """Draw the gears that are given, and the damaged tooth; their actors by gear."""
+    actors = {}
     for part, colour in (("pinion", PINION), ("wheel", WHEEL)):
-        if f"{part}_points" not in arrays:
-            continue
-        mesh = surface(arrays[f"{part}_points"], arrays[f"{part}_quads"])
-        opacity = 0.35 if "sheet_0" in arrays and "near" in arrays else 1.0  # a crack is inside
-        there.add_mesh(mesh, color=colour, opacity=opacity, smooth_shading=False, specular=0.2)
-        _draw_edges(there, mesh, "#303030", 1.0)
-    draw_tooth(there, arrays, 0.45 if arrays["marked_missing"] else 1.0)
+        if f"{part}_points" in arrays:
+            mesh = surface(arrays[f"{part}_points"], arrays[f"{part}_quads"])
+            actors[part] = [there.add_mesh(mesh, color=colour, opacity=opacity, specular=0.2)]
+            actors[part] += _draw_edges(there, mesh, "#404040", 1.2)
+    if "marked_points" in arrays:
+        actors[str(arrays["marked_gear"])] += draw_tooth(there, arrays, marked)
+    return actors
 
 
 def _draw_edges(plotter: Any, mesh: Any, colour: str, width: float) -> list[Any]:
@@ -102,8 +108,6 @@ def _draw_edges(plotter: Any, mesh: Any, colour: str, width: float) -> list[Any]
 def draw_tooth(plotter: Any, arrays: dict[str, np.ndarray], opacity: float) -> list[Any]:
     """Draw the damaged tooth: all red if its shape is unknown, else its shape with faces of fracture and cracks in red
     and wear by colour; returns its actors."""
-    if "marked_points" not in arrays:
-        return []
     points, quads = arrays["marked_points"], arrays["marked_quads"]
     if "marked_broken" not in arrays:
         tooth = surface(points, quads)
@@ -164,17 +168,9 @@ def draw_mode(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], No
 
 def draw_mesh(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], None]:
     """Draw two translucent gears, the damaged tooth in red, and the contact lines coloured by their load (N/m)."""
-    actors: dict[str, list[Any]] = {"pinion": [], "wheel": []}
     frame = arrays["frame"]
     there = Placed(plotter, frame)
-    for part, colour in (("pinion", PINION), ("wheel", WHEEL)):
-        points, quads = arrays[f"{part}_points"], arrays[f"{part}_quads"]
-        centre = 0.0 if part == "pinion" else float(arrays["centre_distance"])
-        mesh = surface(points, quads[seen(points, quads, arrays[f"{part}_turn"], centre, arrays["seen"])])
-        actors[part].append(there.add_mesh(mesh, color=colour, opacity=0.3, specular=0.2))
-        actors[part] += _draw_edges(there, mesh, "#404040", 1.2)
-    if "marked_points" in arrays:
-        actors[str(arrays["marked_gear"])] += draw_tooth(there, arrays, 0.22 if arrays["marked_missing"] else 0.4)
+    actors = _draw_pair(there, arrays, 0.3, 0.22 if arrays["marked_missing"] else 0.4)
     most, thickness = float(arrays["most_load"]), float(arrays["line_radius"])
     wheel_axis = float(arrays["centre_distance"])
     name = f"lines {len(plotter.actors)}"  # unique to this state
@@ -317,24 +313,6 @@ def _draw_curves(plotter: Any, row: int, arrays: dict[str, np.ndarray], names: l
 def turned(angle: float, centre: float) -> np.ndarray:
     """Rotation about the axis along z through (centre, 0) as a 4 x 4 matrix."""
     return np.asarray(pyvista.Transform().rotate_z(np.degrees(angle), point=(centre, 0.0, 0.0)).matrix)
-
-
-def seen(points: np.ndarray, faces: np.ndarray, turns: np.ndarray, centre: float, place: np.ndarray) -> np.ndarray:
-    """Faces that are in the picture at any turn: most of two gears is outside of it.
-
-    Parameters
-    ----------
-    points, faces : of a gear, float (n, 3), m, and int (f, k)
-    turns : (frame,), rad, about the axis through (centre, 0)
-    centre : m
-    place : x of the pitch point and distance from it, m
-    """
-    near = np.zeros(len(points), dtype=bool)
-    for turn in turns:
-        matrix = turned(float(turn), centre)
-        flat = points[:, :2] @ matrix[:2, :2].T + matrix[:2, 3]
-        near |= np.hypot(flat[:, 0] - place[0], flat[:, 1]) < place[1]
-    return np.asarray(near[faces].any(axis=1))
 
 
 def contact_lines(points: np.ndarray, load: np.ndarray, radius: float) -> pyvista.PolyData | None:

@@ -61,7 +61,7 @@ def spectrum_figure(diagnosis: Diagnosis, window: str) -> Figure:
         )
         dress(axes, f"{state.capitalize()}", "frequency, Hz" if state == "healthy" else "", "amplitude, m/s²")
         legend(axes)
-    _common_decades(panels)
+    _limit_decades(*panels)
     return figure
 
 
@@ -218,21 +218,13 @@ def _power_of_ten(value: float, _: int) -> str:
     return "10" + str(round(np.log10(value))).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def _limit_decades(axes: Axes) -> None:
+def _limit_decades(*panels: Axes) -> None:
     """Limit the axis to `DECADES` below the largest value, with room above for the labels of the markers."""
-    drawn = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in axes.lines])
+    drawn = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for axes in panels for line in axes.lines])
     drawn = drawn[drawn > 0]
     if drawn.size:
         top = drawn.max() * 4
-        axes.set_ylim(max(drawn.min() / 2, top / 10**DECADES), top)
-
-
-def _common_decades(panels: Sequence[Axes]) -> None:
-    for axes in panels:
-        _limit_decades(axes)
-    low, high = min(a.get_ylim()[0] for a in panels), max(a.get_ylim()[1] for a in panels)
-    for axes in panels:
-        axes.set_ylim(max(low, high / 10**DECADES), high)
+        panels[0].set_ylim(max(drawn.min() / 2, top / 10**DECADES), top)  # panels share it
 
 
 def _mark_orders(axes: Axes, settings: DiagnosisSettings) -> None:

@@ -20,7 +20,7 @@ from matplotlib.patches import Patch
 from pipelines.io.user_files import write_whole
 from pipelines.report.figures.colours import FAULTY, GONE, HEALTHY, LOAD_COLOURS, PAIR_COLOURS, PINION, WHEEL
 from pipelines.report.figures.frame_files import film_page, png, save_figure, write_gif
-from pipelines.report.figures.labelled_pictures import corner_axes, show
+from pipelines.report.figures.labelled_pictures import draw_axes, show
 from pipelines.report.figures.plots import dress, legend, new_figure, plain
 from pipelines.report.figures.render import render_mesh
 from pipelines.report.figures.tooth_mesh_frames import MeshFrames, MeshView
@@ -77,9 +77,9 @@ def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: f
     most : N/m, line load at the end of the colour scale
     """
     rows = len(pictures)
-    figure = new_figure(2.4 + 3.4 * rows, 13.0)
     cycle = float(view.cycles[frame])
-    figure.suptitle(f"{plain(view.title)}\nmesh cycle {cycle:.3f}, load {view.force:.4g} N, model {view.model}")
+    title = f"{plain(view.title)}\nmesh cycle {cycle:.3f}, load {view.force:.4g} N, model {view.model}"
+    figure = new_figure(2.4 + 3.4 * rows, 13.0, title)
     halves: Any = figure.subfigures(1, 2, width_ratios=[1.15, 1.0])
     left, right = halves
     boxes = np.atleast_1d(left.subplots(rows, 1))
@@ -96,11 +96,15 @@ def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: f
 
 
 def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrames, frame: int) -> None:
-    show(axes, picture, whole=True)
-    corner_axes(axes, picture)
+    _, right, _, bottom = show(axes, picture, whole=True)
+    draw_axes(axes, picture, (0.09 * right, 0.88 * bottom))
     most = np.nanmax(state.pressure[frame]) / 1e6 if np.isfinite(state.pressure[frame]).any() else 0.0
-    axes.set_title(f"{state.name}: Hertz pressure up to {most:.0f} MPa at this position\nface width "
-                   f"{1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1", fontsize=9, loc="left")  # fmt: skip
+    axes.set_title(
+        f"{state.name}: Hertz pressure up to {most:.0f} MPa at this position\n"
+        f"face width {1000 * view.gears.pair.face_width:.4g} mm along y; x, y, z 1:1",
+        fontsize=9,
+        loc="left",
+    )
     handles: list[Patch | Line2D] = [
         Patch(color=PINION, alpha=0.6, label="pinion"),
         Patch(color=WHEEL, alpha=0.6, label="wheel"),

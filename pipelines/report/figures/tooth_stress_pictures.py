@@ -23,7 +23,7 @@ from pipelines.io.user_files import whole_file
 from pipelines.report.figures.colours import CONTACT, GONE, STRESS_COLOURS
 from pipelines.report.figures.frame_files import save_figure
 from pipelines.report.figures.gear_frame import placed, rotated
-from pipelines.report.figures.labelled_pictures import corner_axes, show
+from pipelines.report.figures.labelled_pictures import draw_axes, show
 from pipelines.report.figures.plots import new_figure, plain
 from pipelines.report.figures.render import render_stress
 from pipelines.report.figures.tooth_mesh_frames import contact_places
@@ -127,8 +127,8 @@ def stress_figure(view: StressView, pictures: Sequence[Picture], most: float) ->
 
 def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
 
-    show(axes, picture, whole=True)
-    corner_axes(axes, picture)
+    _, right, _, bottom = show(axes, picture, whole=True)
+    draw_axes(axes, picture, (0.09 * right, 0.88 * bottom))
     state = view.states[number]
     greatest = state.von_mises[np.unique(state.cells)].max() / 1e6
     axes.set_title(
@@ -149,10 +149,10 @@ def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
         handles.append(Patch(color=GONE, alpha=0.6, label=view.marked))
     axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, fontsize=8, frameon=False)
     note = (
-        f"face width {1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1, not deformed; lines, circle in front"
+        f"face width {1000 * view.gears.pair.face_width:.4g} mm along y; x, y, z 1:1, not deformed; lines, circle in "
+        f"front\nstress within {SMOOTHED:g} modules of a contact line is smoothed; mesh_<stage>.png gives the Hertz "
+        "pressure there"
     )
-    note += f"\nstress within {SMOOTHED:g} modules of a contact line is smoothed; mesh_<stage>.png gives the Hertz "
-    note += "pressure there"
     if view.note and number == len(view.states) - 1:
         note += f"\n{view.note}"
     axes.text(0.0, -0.01, note, fontsize=8, transform=axes.transAxes, va="top")

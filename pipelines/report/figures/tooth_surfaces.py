@@ -2,7 +2,34 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+
+from fem.gears.gear import Gear
+from fem.gears.profile import half_tooth_profile
+
+
+def outline(gear: Gear, centre_angle: float) -> np.ndarray:
+    """Transverse profile of all teeth, counter-clockwise (n, 2) in m, the middle of one tooth at `centre_angle`."""
+    half = half_tooth_profile(gear, n_fillet=6, n_flank=8, n_tip=2)  # mid space at x > 0 to mid tooth on +y
+    tooth = np.vstack([half[:-1], half[::-1] * [-1.0, 1.0]])[:-1]  # counter-clockwise, mid space kept once
+    angle = centre_angle - math.pi / 2 + 2 * math.pi * np.arange(gear.teeth) / gear.teeth
+    rotations = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return (tooth @ np.moveaxis(rotations, 2, 0)).reshape(-1, 2)
+
+
+def web(gear: Gear) -> tuple[float, float, float] | None:
+    """Inner radius of the rim and ends of the web along the face; None for a solid body."""
+    if gear.web_ratio >= 1.0:
+        return None
+    half = gear.web_ratio * gear.face_width / 2
+    return gear.rim_inner_radius, gear.web_offset - half, gear.web_offset + half
+
+
+def twist(gear: Gear) -> float:
+    """Rotation of the section per metre along the axis, rad/m: tan(beta) / r, positive for a right hand."""
+    return gear.hand_sign * math.tan(abs(gear.helix_angle)) / gear.reference_radius
 
 
 def without_tooth(outline: np.ndarray, teeth: int, centre_angle: float) -> tuple[np.ndarray, np.ndarray]:

@@ -4,50 +4,57 @@ omitted.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.gears.geometry import GearPair
 from pipelines.report.figures.damaged_tooth import DrawnTooth
 from pipelines.report.figures.gear_frame import scene_frame
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class GearView:
-    """A gear in the transverse section at mid face, about its centre, turned to its position in mesh."""
-
-    outline: np.ndarray  # (n, 2), m, counter-clockwise, with all teeth
-    teeth: int
-    bore: float  # radius, m
-    twist: float  # rad per m of face width
-    web: tuple[float, float, float] | None = None  # inner radius of the rim, end, end along the face, m
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
 class GearPairView:
-    """Two gears; the wheel's centre is at (centre_distance, 0) from the pinion's.
+    """Two gears at a whole mesh cycle, with a tooth pair in contact at the pitch point; the wheel's axis is at x = a.
 
-    `marked_gear` "pinion" | "wheel" | "" and `marked_angle` (rad, polar angle of the middle of the tooth about its
-    centre) show one tooth in red, translucent if it is `missing`, or as the `tooth` with its damage. `frame` (4, 4)
-    moves points to the scene, `sense` is +1 if the face coordinate runs along the global y.
+    The pinion turns counter-clockwise and drives; in the picture pinion tooth i follows tooth i - 1 clockwise and
+    wheel tooth j follows tooth j - 1 counter-clockwise, so that pair (i, i) follows pair (i - 1, i - 1). The tooth
+    `marked` ("pinion" or "wheel", and its number) is shown as the `tooth` with its damage, or translucent and red.
     """
 
-    pinion: GearView
-    wheel: GearView
-    face_width: float
-    centre_distance: float
-    marked_gear: str = ""
-    marked_angle: float = 0.0
-    missing: bool = True
+    pair: GearPair
+    marked: tuple[str, int] | None = None
+    cycle: int = 0  # mesh cycle
     tooth: DrawnTooth | None = None
-    frame: np.ndarray = field(default_factory=lambda: scene_frame((0.0, 0.0), (1.0, 0.0), 0.0, 1))
-    sense: int = 1
+    frame: np.ndarray = field(
+        default_factory=lambda: scene_frame((0.0, 0.0), (1.0, 0.0), 0.0, 1)
+    )  # (4, 4), to the scene
+    sense: int = 1  # +1 if the face coordinate runs along the global y, else -1
     seen_from: int = -1  # the end of the shafts, along the global y
 
     def centre(self, gear: str) -> float:
         """Place of the centre of "pinion" or "wheel", m."""
-        return 0.0 if gear == "pinion" else self.centre_distance
+        return 0.0 if gear == "pinion" else self.pair.axis_distance
+
+    def zero_angle(self, gear: str) -> float:
+        """Polar angle of the middle of a tooth, rad; the upper (pinion) or lower (wheel) flank touches."""
+        half = getattr(self.pair, gear).half_thickness_angle(self.pair.working_radii[gear == "wheel"])
+        return -half if gear == "pinion" else math.pi - half
+
+    @property
+    def marked_angle(self) -> float:
+        """Polar angle of the middle of the marked tooth about its centre, rad."""
+        assert self.marked is not None, "a view with a damaged tooth"
+        gear, number = self.marked
+        turn = 2 * math.pi * (self.cycle - number) / getattr(self.pair, gear).teeth
+        return self.zero_angle(gear) + (turn if gear == "pinion" else -turn)
+
+    @property
+    def missing(self) -> bool:
+        """The marked tooth is missing."""
+        return self.tooth is None or self.tooth.missing
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

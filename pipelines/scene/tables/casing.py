@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, TypeAlias
+from typing import Annotated, ClassVar, TypeAlias
 
 from pydantic import Field, field_validator, model_validator
 
@@ -14,12 +14,7 @@ from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.parts.casing_choices import COVER, FEET, JOINTS, MOUNTS
 from fem.elements.materials import Material
 from pipelines.scene.tables.derived import DerivedTable, choice, table
-from pipelines.scene.tables.housing import (
-    HousingBase,
-    HousingModel,
-    MatricesHousingTable,
-    MeshHousingTable,
-)
+from pipelines.scene.tables.housing import HousingModel
 
 MaterialTable: TypeAlias = table(Material)
 POINTS = re.compile(
@@ -27,7 +22,13 @@ POINTS = re.compile(
 )
 
 
-class FlexibleBase(DerivedTable):
+class CasingBase(DerivedTable):
+    """A model of the casing."""
+
+    elastic: ClassVar[bool] = False  # whether it has finite elements
+
+
+class FlexibleBase(CasingBase):
     """What every casing with a housing has besides the options of its model."""
 
     housing: Annotated[HousingModel, Field(description="shape and supports of the housing")]
@@ -37,13 +38,13 @@ class FlexibleBase(DerivedTable):
 
     @model_validator(mode="after")
     def _hexahedra(self) -> FlexibleBase:
-        of_hexahedra, parametric = self.element.startswith("hexahedron"), isinstance(self.housing, HousingBase)
-        if of_hexahedra and not parametric and not isinstance(self.housing, MeshHousingTable):
+        of_hexahedra, given = self.element.startswith("hexahedron"), self.housing.model
+        if of_hexahedra and given not in ("parametric", "mesh"):
             raise ValueError(
                 f'element = "{self.element}": a STEP file is meshed with tetrahedra only; hexahedra need a parametric '
                 'housing or a mesh file. Set element = "tetrahedron-10" or "tetrahedron-20"'
             )
-        if of_hexahedra and parametric and (self.bore_element_size_mm or self.foot_element_size_mm):
+        if of_hexahedra and given == "parametric" and (self.bore_element_size_mm or self.foot_element_size_mm):
             raise ValueError(
                 f"bore_element_size_mm and foot_element_size_mm do not apply to {self.element} of a parametric "
                 "housing, whose elements have one size. Delete them, or set a tetrahedron"
@@ -52,7 +53,7 @@ class FlexibleBase(DerivedTable):
 
     @model_validator(mode="after")
     def _with_shape(self) -> FlexibleBase:
-        if isinstance(self.housing, MatricesHousingTable) and not isinstance(self, ElasticBase):
+        if self.housing.model == "matrices" and not self.elastic:
             raise ValueError(
                 'housing.model = "matrices" has no shape for a rigid casing. Set model = "craig-bampton" or "static"'
             )
@@ -62,13 +63,16 @@ class FlexibleBase(DerivedTable):
 class ElasticBase(FlexibleBase):
     """What the models with finite elements ask of the housing."""
 
+    elastic: ClassVar[bool] = True
+
     @model_validator(mode="after")
     def _meshed_again(self) -> ElasticBase:
-        if self.error is not None and isinstance(self.housing, MeshHousingTable | MatricesHousingTable):
+        given = self.housing.model
+        if self.error is not None and given in ("mesh", "matrices"):
             raise ValueError("error: the file has one element size only. Delete error, or set a STEP file")
-        if self.extrapolated and isinstance(self.housing, MatricesHousingTable):
+        if self.extrapolated and given == "matrices":
             raise ValueError("extrapolated: matrices have no elements. Delete it")
-        if self.extrapolated and isinstance(self.housing, MeshHousingTable) and self.element == "tetrahedron-10":
+        if self.extrapolated and given == "mesh" and self.element == "tetrahedron-10":
             raise ValueError(
                 "extrapolated: the file has one element size only, and tetrahedron-10 needs several. Set element = "
                 '"tetrahedron-20", whose error is estimated on one mesh, set a STEP file, or delete extrapolated'
@@ -82,19 +86,19 @@ class ElasticBase(FlexibleBase):
             raise ValueError(
                 "damped_parts: the housing has no joint. Set casing.housing.joint, or delete the part joints"
             )
-        if isinstance(self.housing, MatricesHousingTable) and names - {MOUNTS}:
+        if self.housing.model == "matrices" and names - {MOUNTS}:
             raise ValueError("damped_parts: of matrices only the part mounts is known. Delete the other parts")
-        if not isinstance(self.housing, HousingBase) and (unknown := {COVER, FEET} & names):
+        if self.housing.model != "parametric" and (unknown := {COVER, FEET} & names):
             raise ValueError(
                 f"damped_parts: {sorted(unknown)[0]} is known of a parametric housing only. Set box_mm and another name"
             )
         return self
 
 
-def _base(made: type) -> type[DerivedTable]:
+def _base(made: type) -> type[CasingBase]:
     if issubclass(made, ElasticCasing):
         return ElasticBase
-    return FlexibleBase if issubclass(made, HousingCasing) else DerivedTable
+    return FlexibleBase if issubclass(made, HousingCasing) else CasingBase
 
 
 CASING_TABLES = tuple(

@@ -14,10 +14,9 @@ from mbd.forces.speed_controller import SpeedController
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.load import Load
 from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
-from pipelines.io.errors import Problem, SceneError
 from pipelines.scene.tables.derived import DerivedTable, by_default, choice, table
 from pipelines.scene.tables.scene_table import Number, Table, Whole
-from pipelines.scene.tables.series import ColumnTable, Samples, check_pairs, pairs
+from pipelines.scene.tables.series import Samples, check_pairs, in_file, pairs, refused
 from pipelines.scene.tables.shafts import ShaftTable
 from pipelines.scene.tables.torques import RPM, SomewhereTable, TorqueCurve
 
@@ -56,10 +55,11 @@ class SpeedDrive(Table):
     def _table(self) -> SpeedDrive:
         check_pairs(self, "times_s", "speeds_rpm")
         for key in ("times_s", "speeds_rpm"):
-            if not isinstance(getattr(self, key), ColumnTable) and len(getattr(self, key)) < 2:
-                raise ValueError(f"{key} has {len(getattr(self, key))} values. Set two or more")
-        if not isinstance(self.times_s, ColumnTable) and self.times_s[0] != 0:
-            raise ValueError(f"times_s starts at {self.times_s[0]:g} and must start at 0. Correct it")
+            if not in_file(given := getattr(self, key)) and len(given) < 2:
+                raise ValueError(f"{key} has {len(given)} values. Set two or more")
+        times: Any = self.times_s
+        if not in_file(times) and times[0] != 0:
+            raise ValueError(f"times_s starts at {times[0]:g} and must start at 0. Correct it")
         return self
 
     speed_is_known: ClassVar[bool] = True
@@ -83,11 +83,8 @@ class SpeedDrive(Table):
         """Speed of the motors over time. SceneError for a file that cannot be used."""
         times, speeds = pairs(self, "times_s", "speeds_rpm", "drive")
         if times[0] > 0.0:
-            raise SceneError(
-                "scene",
-                [Problem("drive.times_s", f"starts at {times[0]:g} s, and must start at 0", "Correct the file")],
-            )
-        return SpeedProfile(times=times, speeds=speeds * RPM, smooth=isinstance(self.speeds_rpm, ColumnTable))
+            raise refused("drive.times_s", f"starts at {times[0]:g} s, and must start at 0", "Correct the file")
+        return SpeedProfile(times=times, speeds=speeds * RPM, smooth=in_file(self.speeds_rpm))
 
     def couplings(self, shaft: str, places: tuple[float, ...]) -> tuple[MotorCoupling, ...]:
         """Couplings to the motors at y (m) of a shaft."""

@@ -44,8 +44,9 @@ class SpallBase(DerivedTable):
     bearing: Annotated[Whole, Field(ge=1, description="number of the bearing on that shaft; 1 is nearest to -y")]
 
 
+SPALL = "bearing-spall"  # the kind of fault of a bearing; all others are of teeth
 _BASES = {"worn-tooth": WearBase}
-BearingSpallTable: TypeAlias = table(Spall, SpallBase, kind=("bearing-spall", "what is wrong with the bearing"))
+BearingSpallTable: TypeAlias = table(Spall, SpallBase, kind=(SPALL, "what is wrong with the bearing"))
 FaultTable: TypeAlias = choice(
     (
         table(fault_class(kind), _BASES.get(kind, FaultBase), kind=(kind, "what is wrong with the tooth"))

@@ -46,6 +46,11 @@ class TorqueTable(PlacedTable, TorqueCurve):
 class ExcitationBase(DerivedTable):
     """An excitation of `mbd.excitations.excitation_registry`."""
 
+    @property
+    def positions(self) -> dict[str, float]:
+        """Positions (mm) on the shaft by key; none for a force that acts elsewhere."""
+        return {}
+
     @model_validator(mode="after")
     def _fits(self) -> Self:
         """Raise an error of the excitation as a problem of the table; values over time are checked separately."""

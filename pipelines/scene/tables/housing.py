@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -12,7 +11,7 @@ from fem.casing.geometry.housing_features import LARGEST
 from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
 from fem.casing.parts.bolts import Size
 from pipelines.scene.tables.derived import DerivedTable, EitherTable, either, table
-from pipelines.scene.tables.scene_table import Flag, Number, Positive, Table, Whole
+from pipelines.scene.tables.scene_table import Flag, Number, Positive, Table, Whole, repeated_names
 
 Vector = tuple[Number, Number, Number]
 Axes = tuple[Vector, Vector, Vector]
@@ -111,20 +110,22 @@ class HousingBase(DerivedTable):
     @property
     def plain(self) -> bool:
         """Whether the body is made of boxes and of cylinders along y alone."""
-        more = (self.flange, self.ribs, self.foot_fillet_mm, self.inner_fillet_mm, self.pad_diameter_mm)
-        return not any(more)
+        return not any((self.flange, self.ribs, self.foot_fillet_mm, self.inner_fillet_mm, self.pad_diameter_mm))
+
+
+SeatName = Annotated[
+    str,
+    Field(
+        pattern=r"^bearing_[1-9][0-9]*$",
+        description="bearing_1, bearing_2, ...: two per shaft, odd numbers at its -y end",
+    ),
+]
 
 
 class SeatBase(EitherTable):
     """A bearing seat, given by axis and diameter of its bore or by a group of the mesh file."""
 
-    name: Annotated[
-        str,
-        Field(
-            pattern=r"^bearing_[1-9][0-9]*$",
-            description="bearing_1, bearing_2, ...: two per shaft, odd numbers at its -y end",
-        ),
-    ]
+    name: SeatName
 
 
 class GroundBase(EitherTable):
@@ -158,15 +159,10 @@ class ImportedTable(Table):
     ] = None
 
     @model_validator(mode="after")
-    def _names(self) -> Any:
-        if problems := list(self._repeated()):
-            raise ValueError("\n".join(problems))
+    def _each_seat_once(self) -> Any:
+        if repeated := repeated_names("bearings", self.bearings, "Delete all but one"):
+            raise ValueError("\n".join(repeated))
         return self
-
-    def _repeated(self) -> Iterator[str]:
-        names = [seat.name for seat in self.bearings]
-        for name in sorted({n for n in names if names.count(n) > 1}):
-            yield f"bearings: {name} occurs {names.count(name)} times. Delete all but one"
 
 
 class StepHousingTable(ImportedTable):
@@ -200,13 +196,7 @@ Nodes = Annotated[
 class NodeSeatTable(Table):
     """A bearing of a housing of matrices: the nodes of its seat, or one node at the bearing."""
 
-    name: Annotated[
-        str,
-        Field(
-            pattern=r"^bearing_[1-9][0-9]*$",
-            description="bearing_1, bearing_2, ...: two per shaft, odd numbers at its -y end",
-        ),
-    ]
+    name: SeatName
     nodes: Nodes
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import types
 import typing
+from collections import Counter
+from collections.abc import Iterable
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -41,6 +43,12 @@ class SIValues:
             if f"{name}_{suffix}" in type(self._table).model_fields:
                 return in_si(getattr(self._table, f"{name}_{suffix}"), unit)
         raise AttributeError(f"{type(self._table).__name__} has no key {name} with a unit that is not SI")
+
+
+def repeated_names(key: str, items: Iterable[Any], remedy: str) -> list[str]:
+    """Problems of names that occur several times among the items of a key."""
+    counts = Counter(one.name for one in items)
+    return [f"{key}: the name {name} occurs {n} times. {remedy}" for name, n in sorted(counts.items()) if n > 1]
 
 
 def tables(annotation: object) -> tuple[type[BaseModel], ...]:

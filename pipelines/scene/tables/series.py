@@ -44,10 +44,15 @@ Samples = Annotated[
 ]
 
 
+def in_file(given: object) -> bool:
+    """Whether samples are a column of a file."""
+    return isinstance(given, ColumnTable)
+
+
 def check_pairs(table: Table, places: str, values: str) -> None:
     """Raise ValueError unless two keys of a table have equal numbers of values in the scene; places must increase."""
     first, second = getattr(table, places), getattr(table, values)
-    if isinstance(first, ColumnTable) or isinstance(second, ColumnTable):
+    if in_file(first) or in_file(second):
         return
     if len(first) != len(second):
         raise ValueError(f"{places} has {len(first)} values, {values} has {len(second)}. Set equal numbers of both")
@@ -72,19 +77,15 @@ def pairs(table: Table, places: str, values: str, path: str) -> tuple[np.ndarray
     ------
     SceneError : no such file or column, a cell that is not a number, places that do not increase, different lengths
     """
-    found, lines = [], []
-    for key in (places, values):
-        numbers, line = samples(getattr(table, key), f"{path}.{key}")
-        found.append(numbers)
-        lines.append(line)
-    first, second = found
+    first, line = samples(getattr(table, places), f"{path}.{places}")
+    second, _ = samples(getattr(table, values), f"{path}.{values}")
     if len(first) != len(second):
         raise refused(
             f"{path}.{values}", f"has {len(second)} values for {len(first)} of {places}", "Set equal numbers of both"
         )
     wrong = np.flatnonzero(np.diff(first) <= 0)
     if len(wrong):
-        i, line = int(wrong[0]) + 1, lines[0]
+        i = int(wrong[0]) + 1
         at = "" if line is None else f" (value {i + 1}, about line {line + i})"
         raise refused(
             f"{path}.{places}",
@@ -111,7 +112,7 @@ def samples(given: tuple[float, ...] | ColumnTable, path: str) -> tuple[np.ndarr
     shipped = Path(str(resources.files("pipelines.scene"))) / "shipped" / given.file
     file = Path(given.file)
     file = shipped if shipped.suffix == ".csv" and not file.exists() and shipped.is_file() else file
-    with reading(file, given.file, path, MOST_BYTES):
+    with reading(file, given.file, path, MOST_BYTES, "CSV or HDF5"):
         if file.suffix.lower() in HDF5:
             return _dataset(file, given.column, path), None
         return _column(read_text(file, MOST_BYTES), given, path), 2
@@ -131,12 +132,7 @@ def _column(text: str, given: ColumnTable, path: str) -> np.ndarray:
         if not row:
             continue
         cell = row[place].strip() if place < len(row) else ""
-        value = number_of(cell)
-        if not math.isfinite(value):
-            what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
-            what = f"line {rows.line_num}, column {shown(given.column)}: {what}"
-            raise refused(f"{path}.file", what, "Correct or delete that line", given.file)
-        values.append(value)
+        values.append(cell_number(cell, rows.line_num, given.column, path, given.file))
     if not values:
         raise refused(f"{path}.file", "the file has no values", "Write values below the header line")
     return np.array(values)
@@ -145,26 +141,40 @@ def _column(text: str, given: ColumnTable, path: str) -> np.ndarray:
 def _dataset(file: Path, name: str, path: str) -> np.ndarray:
     import h5py
 
-    try:
-        with h5py.File(file, "r") as opened:
-            found: Any = opened.get(name)
-            if not isinstance(found, h5py.Dataset):
-                raise refused(
-                    f"{path}.column", f"the file has the datasets {', '.join(opened)}", "Set one of them", name
-                )
-            if problem := blocks_missing(found):
-                raise refused(f"{path}.column", problem, "Save or copy the file again", name)
-            values = np.asarray(found[()], dtype=float).ravel()
-    except SceneError:
-        raise
-    except Exception as error:  # the library raises errors of many types
-        raise refused(f"{path}.file", f"cannot be read as HDF5 ({error})", "Set a CSV or HDF5 file") from error
+    with h5py.File(file, "r") as opened:
+        found: Any = opened.get(name)
+        if not isinstance(found, h5py.Dataset):
+            raise refused(f"{path}.column", f"the file has the datasets {', '.join(opened)}", "Set one of them", name)
+        if problem := blocks_missing(found):
+            raise refused(f"{path}.column", problem, "Save or copy the file again", name)
+        values = np.asarray(found[()], dtype=float).ravel()
     bad = np.flatnonzero(~np.isfinite(values))
     if len(bad):
         raise refused(
             f"{path}.column", f"value {bad[0] + 1} of {len(values)} is {values[bad[0]]}", "Correct the file", name
         )
     return values
+
+
+def cell_number(cell: str, line: int, column: str, path: str, file: str | None = None) -> float:
+    """The number in a cell of a file.
+
+    Parameters
+    ----------
+    cell, line, column : text of the cell, and where it is
+    path, file : key of the file in the scene, and name of the file, for messages
+
+    Raises
+    ------
+    SceneError : it is not a finite number
+    """
+    value = number_of(cell)
+    if not math.isfinite(value):
+        what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
+        raise refused(
+            f"{path}.file", f"line {line}, column {shown(column)}: {what}", "Correct or delete that line", file
+        )
+    return value
 
 
 def refused(path: str, message: str, remedy: str, value: str | None = None) -> SceneError:
@@ -179,14 +189,14 @@ def refused(path: str, message: str, remedy: str, value: str | None = None) -> S
 
 
 @contextlib.contextmanager
-def reading(file: Path, name: str, path: str, most_bytes: int) -> Iterator[None]:
+def reading(file: Path, name: str, path: str, most_bytes: int, kinds: str) -> Iterator[None]:
     """Turn errors while a file is read into a SceneError.
 
     Parameters
     ----------
     file, name : its path, and its name in the scene
     path : of the table in the scene, for messages
-    most_bytes : upper bound of its size
+    most_bytes, kinds : upper bound of its size, and its possible formats
 
     Raises
     ------
@@ -202,3 +212,5 @@ def reading(file: Path, name: str, path: str, most_bytes: int) -> Iterator[None]
         raise
     except InputError as error:
         raise refused(f"{path}.file", str(error), "") from error
+    except Exception as error:  # libraries raise errors of many types
+        raise refused(f"{path}.file", f"cannot be read ({error})", f"Set a {kinds} file", name) from error

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 RMS, ONE, ACCELERATION, NONE = "rms", "1", "1 um/s2", "none"  # references of levels; ISO 1683:2015 for accelerations
 _REFERENCE = 1e-6  # m/s2
@@ -24,7 +25,7 @@ _BORGHESANI = "Borghesani et al. (2013), Mech. Syst. Signal Process. 36(2), 370-
 _RANDALL = "Randall & Antoni (2011), Mech. Syst. Signal Process. 25(2), 485-520"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Definition:
     """A feature of a `component`: its `unit`, the `reference` of its level, `words` for tables, `formula` and `source`.
 
@@ -33,21 +34,14 @@ class Definition:
 
     component: str
     name: str
-    unit: str = "1"
-    reference: str = ONE
     words: str
     formula: str
     source: str
+    unit: str = "1"
+    reference: str = ONE
 
 
-def _acceleration(component: str, name: str, words: str, formula: str, source: str, reference: str = RMS) -> Definition:
-    return Definition(
-        component=component, name=name, unit="m/s2", reference=reference, words=words, formula=formula, source=source
-    )
-
-
-def _ratio(component: str, name: str, words: str, formula: str, source: str) -> Definition:
-    return Definition(component=component, name=name, words=words, formula=formula, source=source)
+_acceleration = partial(Definition, unit="m/s2", reference=RMS)
 
 
 def _mesh(number: int, suffix: str, side: int) -> Definition:
@@ -57,61 +51,61 @@ def _mesh(number: int, suffix: str, side: int) -> Definition:
 
 
 DEFINITIONS = (
-    _acceleration("whole machine", "rms", "rms", "sqrt <x^2>", _ISO, ACCELERATION),
-    _acceleration("whole machine", "peak", "peak", "max abs x", _ISO, ACCELERATION),
-    _ratio("whole machine", "crest_factor", "crest factor", "max abs x / sqrt <x^2>", _ISO),
-    _ratio("whole machine", "kurtosis", "kurtosis", "<x^4> / <x^2>^2; 3 for Gaussian noise", _DYER),
+    _acceleration("whole machine", "rms", "rms", "sqrt <x^2>", _ISO, reference=ACCELERATION),
+    _acceleration("whole machine", "peak", "peak", "max abs x", _ISO, reference=ACCELERATION),
+    Definition("whole machine", "crest_factor", "crest factor", "max abs x / sqrt <x^2>", _ISO),
+    Definition("whole machine", "kurtosis", "kurtosis", "<x^4> / <x^2>^2; 3 for Gaussian noise", _DYER),
     Definition(
-        component="whole machine",
-        name="skewness",
+        "whole machine",
+        "skewness",
+        "skewness",
+        "<x^3> / <x^2>^1.5; it has a sign and therefore no level",
+        _DYER,
         reference=NONE,
-        words="skewness",
-        formula="<x^3> / <x^2>^1.5; it has a sign and therefore no level",
-        source=_DYER,
     ),
     _acceleration("shaft", "order_1", "1x", "Y_1; turns weighted by a Hann window", _AVERAGE),
     _acceleration("shaft", "order_2", "2x", "Y_2; turns weighted by a Hann window", _AVERAGE),
     _acceleration("shaft", "tsa_rms", "average", "sqrt <(y - <y>)^2>", _AVERAGE),
     _acceleration("shaft", "tsa_peak_to_peak", "average, peak to peak", "max y - min y", _AVERAGE),
-    _ratio("shaft", "tsa_kurtosis", "kurtosis of the average", "<(y - <y>)^4> / <(y - <y>)^2>^2", _AVERAGE),
+    Definition("shaft", "tsa_kurtosis", "kurtosis of the average", "<(y - <y>)^4> / <(y - <y>)^2>^2", _AVERAGE),
     *(_mesh(number, suffix, side) for number in (1, 2, 3) for suffix, side in (("", 0), ("_lower", -1), ("_upper", 1))),
     _acceleration("gear", "residual_rms", "residual signal", "sqrt <r^2>", _STEWART),
     _acceleration("gear", "difference_rms", "difference signal", "sqrt <d^2>", _STEWART),
-    _ratio("gear", "fm4", "FM4", "<d^4> / <d^2>^2", _STEWART),
-    _ratio("gear", "fm0", "FM0", "(max y - min y) / (Y_z + Y_2z + Y_3z)", _STEWART),
-    _ratio("gear", "sideband_ratio", "sideband ratio", "sum of Y_(z-6) ... Y_(z+6) without Y_z, / Y_z", _HANNA),
-    _ratio(
+    Definition("gear", "fm4", "FM4", "<d^4> / <d^2>^2", _STEWART),
+    Definition("gear", "fm0", "FM0", "(max y - min y) / (Y_z + Y_2z + Y_3z)", _STEWART),
+    Definition("gear", "sideband_ratio", "sideband ratio", "sum of Y_(z-6) ... Y_(z+6) without Y_z, / Y_z", _HANNA),
+    Definition(
         "gear, or shaft without known gears",
         "envelope_orders",
         "envelope",
         "root of the sum of squares of the amplitudes of e at orders 1 to 5, / <e>",
         _HO,
     ),
-    _ratio(
+    Definition(
         "gear",
         "tooth_contrast",
         "energy of one tooth",
         "sqrt(max E_i / median E_i); E_i is the mean of e while tooth i is in mesh",
         _MCFADDEN,
     ),
-    _ratio(
+    Definition(
         "gear", "whitened_kurtosis", "kurtosis of the whitened average", "kurtosis of the average of w", _BORGHESANI
     ),
-    _ratio(
+    Definition(
         "gear",
         "whitened_contrast",
         "energy of one tooth, whitened",
         "as tooth_contrast, of the squared envelope of w",
         _BORGHESANI,
     ),
-    _ratio(
+    Definition(
         "gear",
         "average_contrast",
         "energy of one tooth, whitened average",
         "as tooth_contrast, of the squared envelope of the average of w",
         _BORGHESANI,
     ),
-    _ratio(
+    Definition(
         "rolling bearing",
         "pass_order",
         "pass order in the envelope",
@@ -121,7 +115,7 @@ DEFINITIONS = (
         "second; lines at multiples of shaft speeds have the ratio 1 and are not in the median.",
         _RANDALL,
     ),
-    _ratio(
+    Definition(
         "rolling element",
         "pass_sidebands",
         "pass order and sidebands in the envelope",

@@ -85,15 +85,6 @@ class FeatureTable(Record):
             "level_dB": 20.0 * level.ravel(),
         }
 
-    def labelled(self) -> xarray.DataArray:
-        """The values as an array over sensor, axis, component and feature; missing values are NaN."""
-        values: dict[tuple[str, ...], float] = {
-            (sensor, axis, *line): self.value[i, j]
-            for i, (sensor, axis) in enumerate(zip(self.sensor, self.axis, strict=True))
-            for j, line in enumerate(self.lines)
-        }
-        return labelled_array(values, ("sensor", "axis", "component", "feature")).rename("features")
-
 
 def left_out_words(left_out: Sequence[str]) -> str:
     """A sentence with the names and reasons of `left_out`, names of one reason together; "" if it is empty."""

@@ -75,8 +75,10 @@ def pass_levels(
         for name, order in orders.items()
         if resolved(order, per_order, (lines.shape[1] - 1) / per_order, shafts, error)
     }
-    for name, distance in (sidebands or {}).items():
-        found[name, SIDEBANDS] = _level(lines, free, orders[name] * per_order, distance * per_order)
+    found |= {
+        (name, SIDEBANDS): _level(lines, free, orders[name] * per_order, distance * per_order)
+        for name, distance in (sidebands or {}).items()
+    }
     return {name: level for name, level in found.items() if level is not None}
 
 

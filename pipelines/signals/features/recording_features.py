@@ -13,12 +13,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pipelines.signals.features.average_features import meshing, synchronous
+from pipelines.signals.features.definitions import BY_NAME
 from pipelines.signals.features.envelope_features import (
     FINE,
     envelope_orders,
@@ -30,7 +31,7 @@ from pipelines.signals.features.feature_table import WHOLE, FeatureTable
 from pipelines.signals.features.passing import PASSING, pass_levels
 from pipelines.signals.features.shaft_turns import Turns, cut_turns
 from pipelines.signals.features.statistics import kurtosis, squared_magnitude, statistics
-from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, average, average_power
+from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, Average, average_power
 from pipelines.signals.features.unresolved_passes import unresolved_passes
 from pipelines.signals.orders.kinematics import GUARD_ORDER, Kinematics, Shaft
 from pipelines.signals.orders.revolutions import HIGHEST, within
@@ -46,27 +47,16 @@ OF_SIGNAL = ("rms", "crest_factor", "kurtosis")
 OF_SHAFT = {"order_1": 1, "order_2": 2}
 OF_AVERAGE = ("tsa_rms", "tsa_peak_to_peak", "tsa_kurtosis")
 OF_PLAIN_SHAFT = ("tsa_rms", "tsa_kurtosis", "envelope_orders")  # of a shaft without known gears
-OF_GEAR = ("difference_rms", "fm4", "envelope_orders", "whitened_kurtosis")  # of its shaft
+OF_GEAR = ("difference_rms", "fm4", "envelope_orders", "whitened_kurtosis", "fm0", "sideband_ratio")
+OF_MESH = (*(name for name in BY_NAME if name.startswith("mesh_")), "residual_rms")
 CONTRASTS = ("tooth_contrast", "whitened_contrast", "average_contrast")
 OF_WHITENED = ("whitened_kurtosis", *CONTRASTS[1:])
-OF_MESH = ("fm0", "sideband_ratio")
 QUARTER = 0.25  # turns, largest uncertainty of the angle over the window for averages over turns
 WHITE = 0.25  # of the lowest mesh order of a shaft: width of whitening
 
 
 class FeatureError(ValueError):
     """A recording has no features: all shafts make too few turns, or no channel contains a signal."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _WindowFeatures:
-    """Features of a window; of each shaft the power and the share that repeat; marked teeth; band and speed, Hz."""
-
-    lines: Lines
-    powers: list[Lines]
-    teeth: dict[str, int]
-    band: tuple[float, float]
-    speed: float  # of the first shaft
 
 
 def recording_features(
@@ -83,7 +73,7 @@ def recording_features(
     recording : `acceleration` (time, sensor, axis), m/s2
     kinematics : of the machine
     rotation : angle of its first shaft at the same samples
-    windows : name -> start and end (s); the whole recording if None
+    windows : name -> start and end (s) within the recording, all of which is evaluated if None
     complete : all features of `definitions`; otherwise those that are evidence in a diagnosis
 
     Raises
@@ -93,16 +83,13 @@ def recording_features(
     time = np.asarray(recording.time.values, dtype=float)
     sensors, axes, signal = recorded_channels(recording)
     given = dict(windows) if windows else {"the whole recording": (float(time[0]), float(time[-1]))}
-    _check_windows(given, time)
-    found = {}
+    found = []
     for name, window in given.items():
         turning = _turning_shafts(signal, time, kinematics, rotation, name, window)
-        found[name] = _window_features(signal, time, window, turning, kinematics, rotation, complete)
-    values = _mean([one.lines for one in found.values()])
-    power = _mean([power for one in found.values() for power in one.powers])
-    teeth: dict[str, int] = {}
-    for one in found.values():
-        teeth = one.teeth | teeth  # the first window counts
+        found.append(_window_features(signal, time, window, turning, kinematics, rotation, complete))
+    lines, powers, marks, bands, speeds = zip(*found, strict=True)
+    values, power = _mean(lines), _mean(list(chain.from_iterable(powers)))
+    teeth = {gear: tooth for marked in reversed(marks) for gear, tooth in marked.items()}  # the first window counts
     none = np.outer([0.0, 1.0, 1.0], np.ones(len(sensors)))
     retained, of_average, repeating = np.stack([power.get(line, none) for line in values], axis=-1)
     conditional = {
@@ -120,26 +107,12 @@ def recording_features(
         conditional=tuple(conditional.get(kinematics.shaft_of(component), "") for component, _ in values),
         gear=tuple(teeth),
         tooth=np.array(list(teeth.values()), dtype=int),
-        window=tuple(found),
-        band_low=np.array([one.band[0] for one in found.values()]),
-        band_high=np.array([one.band[1] for one in found.values()]),
-        speed=np.array([one.speed for one in found.values()]),
+        window=tuple(given),
+        band_low=np.array([low for low, _ in bands]),
+        band_high=np.array([high for _, high in bands]),
+        speed=np.array(speeds),
         left_out=_left_out(kinematics, rotation, time, set(values), given),
     )
-
-
-def _check_windows(windows: Mapping[str, tuple[float, float]], time: np.ndarray) -> None:
-    """FeatureError for a window that ends before it starts, or is outside the recording."""
-    for name, (start, end) in windows.items():
-        if start >= end:
-            raise FeatureError(
-                f"{name}: the window starts at {start:g} s and ends at {end:g} s. Set an end after the start."
-            )
-        if start >= time[-1] or end <= time[0]:
-            raise FeatureError(
-                f"{name}: {start:g} to {end:g} s is outside the recording, which lasts from {time[0]:g} to "
-                f"{time[-1]:g} s. Set a window within it."
-            )
 
 
 def _turning_shafts(
@@ -177,8 +150,12 @@ def _window_features(
     kinematics: Kinematics,
     rotation: Rotation,
     complete: bool,
-) -> _WindowFeatures:
-    """Features of the whole machine and of its turning shafts in a window."""
+) -> tuple[Lines, list[Lines], dict[str, int], tuple[float, float], float]:
+    """Features of the whole machine and its turning shafts in a window.
+
+    With them, for each shaft the power and the share that repeat, the marked teeth, the band (Hz) and the speed (Hz) of
+    the first shaft.
+    """
     speed = turning[0][1].frequency / turning[0][0].ratio
     band = envelope_band(kinematics, time, speed)
     whole = statistics(signal[:, within(time, window)])
@@ -193,7 +170,7 @@ def _window_features(
         found |= lines
         powers.append(power)
         teeth = (marks if rotation.places_teeth(shaft.name) else {}) | teeth
-    return _WindowFeatures(lines=found, powers=powers, teeth=teeth, band=band, speed=speed)
+    return found, powers, teeth, band, speed
 
 
 def recorded_channels(recording: xarray.Dataset) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarray]:
@@ -204,8 +181,6 @@ def recorded_channels(recording: xarray.Dataset) -> tuple[tuple[str, ...], tuple
     FeatureError : no channel contains a signal
     """
     name = "acceleration" if "acceleration" in recording else "journal_acceleration"
-    if name not in recording:
-        raise FeatureError("the recording holds no accelerations. Add sensors to the scene, or give another recording")
     signal = recording[name].rename(bearing="sensor") if "bearing" in recording[name].dims else recording[name]
     laid = signal.transpose("sensor", "axis", "time")
     pairs = [(str(sensor), str(axis)) for sensor in laid.sensor.values for axis in laid.axis.values]
@@ -234,8 +209,7 @@ def envelope_band(kinematics: Kinematics, time: np.ndarray, frequency: float) ->
     if not guard * frequency < high:
         raise FeatureError(
             f"the envelope band begins at {guard * frequency:.4g} Hz, the recording holds up to {high:.4g} Hz. "
-            "Increase the "
-            "sampling rate."
+            "Increase the sampling rate."
         )
     return guard * frequency, high
 
@@ -245,33 +219,28 @@ def _shaft_lines(
 ) -> tuple[Lines, Lines, dict[str, int]]:
     """Features of a shaft, its gears and bearings, power and share that repeat, and the marked tooth of each gear."""
     gears = kinematics.gears_on(shaft.name)
-    averaged = average(cut.values, cut.orders, {gear.stage: gear.teeth for gear in gears})
+    averaged = Average(values=cut.values.mean(axis=1), orders=cut.orders, teeth=[gear.teeth for gear in gears])
     found = synchronous(averaged)
     irregular = cut.values - averaged.regular[:, None, :]
     laid = irregular.reshape(len(irregular), -1)
-    ends = cut.share(band[0]), cut.share(band[1])
+    low, high = (end / cut.frequency / cut.values.shape[2] for end in band)  # of the sampling rate of the turns
     orders = WHITE * min(gear.teeth for gear in gears) if gears else GUARD_ORDER
     width = orders / cut.values.shape[2]
     ratios = [other.ratio / shaft.ratio for other in kinematics.shafts]
-    plain, white = (one.reshape(cut.values.shape) for one in banded(laid, ends, width))
+    plain, white = (one.reshape(cut.values.shape) for one in banded(laid, (low, high), width))
     envelope = squared_magnitude(plain)
     found |= {"envelope_orders": envelope_orders(envelope), "whitened_kurtosis": kurtosis(white.mean(axis=1).real)}
     lines: Lines = {(shaft.name, name): cut.order(order) for name, order in OF_SHAFT.items()}
-    if not gears:
-        lines |= {(shaft.name, name): found[name] for name in OF_PLAIN_SHAFT}
-    if complete:
-        lines |= {(shaft.name, name): found[name] for name in OF_AVERAGE}
+    of_shaft = (*(() if gears else OF_PLAIN_SHAFT), *(OF_AVERAGE if complete else ()))
+    lines |= {(shaft.name, name): found[name] for name in of_shaft}
     squares = envelope, squared_magnitude(white), squared_magnitude(white.mean(axis=1, keepdims=True))
     marks = {}
     for gear in gears:
-        energies = {name: tooth_energies(one, gear.teeth) for name, one in zip(CONTRASTS, squares, strict=True)}
-        of_mesh = meshing(averaged, gear.teeth)
-        lines |= {(gear.name, name): found[name] for name in OF_GEAR}
-        lines |= {(gear.name, name): of_mesh[name] for name in OF_MESH}
-        if complete:
-            lines |= {(gear.name, name): value for name, value in of_mesh.items()}
-            lines[gear.name, "residual_rms"] = found["residual_rms"]
-        lines |= {(gear.name, name): tooth_contrast(one) for name, one in energies.items()}
+        of_gear = found | meshing(averaged, gear.teeth)
+        energies = (tooth_energies(one, gear.teeth) for one in squares)
+        of_gear |= {name: tooth_contrast(one) for name, one in zip(CONTRASTS, energies, strict=True)}
+        names = (*OF_GEAR, *(OF_MESH if complete else ()), *CONTRASTS)
+        lines |= {(gear.name, name): of_gear[name] for name in names}
         place = impact_place(tooth_energies(squares[2], FINE * gear.teeth), cut.backwards)
         marks[gear.name] = round(place + gear.cycle) % gear.teeth  # at the pitch point when the impact begins
     share = squares[2].mean(axis=(1, 2)) / squares[1].mean(axis=(1, 2))
@@ -283,7 +252,7 @@ def _shaft_lines(
     return lines, power, marks
 
 
-def _mean(windows: list[Lines]) -> Lines:
+def _mean(windows: Sequence[Lines]) -> Lines:
     """Mean of each line over the windows that have it; lines with orders beyond the spectrum are omitted."""
     named = dict.fromkeys(name for lines in windows for name in lines)
     means = {name: np.mean([lines[name] for lines in windows if name in lines], axis=0) for name in named}

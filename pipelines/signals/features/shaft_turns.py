@@ -42,10 +42,6 @@ class Turns:
         averaged = np.einsum("ctp,t->cp", self.values, weights / weights.sum())
         return 2.0 * np.abs(np.fft.rfft(averaged, axis=-1)[:, number]) / averaged.shape[-1]
 
-    def share(self, frequency: float) -> float:
-        """A frequency (Hz) divided by the sampling rate of the values."""
-        return frequency / self.frequency / self.values.shape[2]
-
 
 def cut_turns(
     signal: np.ndarray, time: np.ndarray, rotation: Rotation, ratio: float, window: tuple[float, float]
@@ -72,5 +68,5 @@ def cut_turns(
     rate = (len(time) - 1) / float(time[-1] - time[0])
     per_turn = rate / frequency * (1.0 - _ROUNDING)  # a rounded time or angle must not give another whole number
     places = next_fast_len(math.ceil(COLUMNS * per_turn), real=True)
-    values = revolutions(signal, time, rotation, ratio, places, [window])
+    values = revolutions(signal, time, rotation, ratio, places, window)
     return Turns(values=values, frequency=frequency, orders=int(HIGHEST * per_turn), backwards=angle < 0.0)

@@ -11,7 +11,7 @@ Southampton, as given by Zakrajsek, Townsend & Decker (1993), NASA TM-105950 (re
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,20 +21,17 @@ from pipelines.signals.features.statistics import squared_magnitude
 
 FEWEST_TURNS = 3  # for an average
 
-Meshes = Mapping[int, int]  # number of the pair -> teeth of its gear on the shaft
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Average:
-    """Average of `turns` turns: `values` (channel, place) over one turn.
+    """Average of turns, which should be FEWEST_TURNS or more: `values` (channel, place) over one turn.
 
-    `orders` is the number of orders below half of the sampling rate; `meshes` are the gears on the shaft.
+    `orders` is the number of orders below half of the sampling rate, `teeth` are those of the gears on the shaft.
     """
 
     values: np.ndarray
-    turns: int
     orders: int
-    meshes: Meshes
+    teeth: Collection[int]
 
     @cached_property
     def _lines(self) -> np.ndarray:
@@ -56,29 +53,28 @@ class Average:
     @property
     def residual(self) -> np.ndarray:
         """The average (channel, place) without its mean, the first order of the shaft and all orders of its meshes."""
-        return self._without({0, 1} | self._of_meshes())
+        return self._filtered({0, 1} | self._of_meshes(), kept=False)
 
     @property
     def regular(self) -> np.ndarray:
         """Regular part of the average (channel, place): its mean, the first order and the mesh orders."""
-        kept = np.zeros_like(self._lines)
-        orders = [order for order in {0, 1} | self._of_meshes() if order < kept.shape[1]]
-        kept[:, orders] = self._lines[:, orders]
-        return np.fft.irfft(kept, self.values.shape[-1], axis=-1)
+        return self._filtered({0, 1} | self._of_meshes(), kept=True)
 
     @property
     def difference(self) -> np.ndarray:
         """The residual without the first sidebands of the mesh orders and the second order of the shaft."""
         of_meshes = self._of_meshes()
-        return self._without({0, 1, 2} | of_meshes | {order + side for order in of_meshes for side in (-1, 1)})
+        sidebands = {order + side for order in of_meshes for side in (-1, 1)}
+        return self._filtered({0, 1, 2} | of_meshes | sidebands, kept=False)
 
     def _of_meshes(self) -> set[int]:
-        return {n * teeth for teeth in self.meshes.values() for n in range(1, self.orders // teeth + 1)}
+        return {n * teeth for teeth in self.teeth for n in range(1, self.orders // teeth + 1)}
 
-    def _without(self, orders: Iterable[int]) -> np.ndarray:
-        lines = self._lines.copy()
-        lines[:, [order for order in orders if order < lines.shape[1]]] = 0.0
-        lines[:, self.orders :] = 0.0
+    def _filtered(self, orders: set[int], kept: bool) -> np.ndarray:
+        """The part of the average with some orders, or without them and all from `orders` on."""
+        every = np.arange(self._lines.shape[1])
+        listed = np.isin(every, list(orders))
+        lines = np.where(listed if kept else ~listed & (every < self.orders), self._lines, 0.0)
         return np.fft.irfft(lines, self.values.shape[-1], axis=-1)
 
 
@@ -97,15 +93,3 @@ def average_power(turns: np.ndarray) -> np.ndarray:
 
     power = squared_magnitude(fft.fft(turns, axis=1)).mean(axis=-1) / turns.shape[1] ** 2
     return np.stack([np.median(power[:, 1:], axis=1), power[:, 0]])
-
-
-def average(turns: np.ndarray, orders: int, meshes: Meshes) -> Average:
-    """Average of turns (channel, turn, place), which should be FEWEST_TURNS or more.
-
-    Parameters
-    ----------
-    turns : from `pipelines.signals.orders.revolutions.revolutions`
-    orders : number of orders below half of the sampling rate
-    meshes : numbers of teeth of the gears on the shaft
-    """
-    return Average(values=turns.mean(axis=1), turns=turns.shape[1], orders=orders, meshes=meshes)

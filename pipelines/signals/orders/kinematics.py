@@ -5,7 +5,7 @@ Orders are cycles per revolution of a shaft and do not depend on the speed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
 GUARD_ORDER = 10.0  # of the fastest shaft: lower end of the band of envelopes if no numbers of teeth are known
@@ -101,15 +101,15 @@ class Kinematics:
         return {gear.stage: gear.teeth * self.shaft(gear.shaft).ratio for gear in self.gears}
 
 
-def needed_seconds(kinematics: Kinematics, turns: int) -> dict[str, float]:
-    """Length (s) by shaft of a window that contains so many complete turns at the nominal speed.
+def needed_seconds(shafts: Sequence[Shaft], frequency: float, turns: int) -> dict[str, float]:
+    """Length (s) by shaft of a window that contains so many complete turns.
 
     It is one turn longer, since turns are counted from a mark on the shaft and the window may begin at any angle.
 
-    Raises
-    ------
-    ValueError : the nominal speed is not known or 0
+    Parameters
+    ----------
+    shafts : of the machine
+    frequency : of the first shaft, above 0 Hz
+    turns : number of complete turns
     """
-    if not kinematics.frequency:
-        raise ValueError(f"nominal speed {kinematics.frequency} Hz: no time follows from it. Set a speed above 0.")
-    return {shaft.name: (turns + 1) / (shaft.ratio * kinematics.frequency) for shaft in kinematics.shafts}
+    return {shaft.name: (turns + 1) / (shaft.ratio * frequency) for shaft in shafts}

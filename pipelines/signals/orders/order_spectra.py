@@ -19,6 +19,7 @@ import numpy as np
 from fem.numerics.sinc_interpolation import interpolated
 from fem.storage.records import Record, array, scalar, text
 from pipelines.signals.orders.revolutions import HIGHEST, moving_stretches
+from pipelines.signals.spectrum import amplitudes
 
 STEPS = 1.25  # per recorded sample, so that the filter of the interpolation begins above HIGHEST
 
@@ -50,11 +51,9 @@ class Waterfall(Record):
         centres = np.rint(lines / self.resolution).astype(int)
         if centres.max() + 2 >= self.line.size:
             raise OrderError(f"order {order:g}: beyond the highest line, {self.line[-1]:.4g}. Choose a lower order.")
-        found = np.zeros(len(centres))
-        for offset in range(-2, 3):
-            at = np.clip(centres + offset, 0, self.line.size - 1)
-            found += self.amplitude[np.arange(len(at)), at] ** 2
-        return np.sqrt(found / 1.5)  # the Hann window spreads the power of a tone over 1.5 lines
+        lobe = np.clip(centres[:, None] + np.arange(-2, 3), 0, self.line.size - 1)
+        power = np.sum(np.take_along_axis(self.amplitude, lobe, axis=1) ** 2, axis=1)
+        return np.sqrt(power / 1.5)  # the Hann window spreads the power of a tone over 1.5 lines
 
 
 def order_waterfall(
@@ -101,7 +100,7 @@ def order_waterfall(
         time=seconds[starts + size // 2],
         speed=2 * np.pi * revolutions / (seconds[starts + size - 1] - seconds[starts]),
         line=orders,
-        amplitude=np.array([_amplitudes(even[s : s + size])[: len(orders)] for s in starts]),
+        amplitude=_amplitudes(even, starts, size)[:, : len(orders)],
         resolution=1.0 / revolutions,
     )
 
@@ -133,12 +132,12 @@ def frequency_waterfall(
         time=time[starts] + 0.5 * step * size,
         speed=np.abs(turned),
         line=np.arange(size // 2) / (size * step),
-        amplitude=np.array([_amplitudes(signal[s : s + size])[: size // 2] for s in starts]),
+        amplitude=_amplitudes(signal, starts, size)[:, : size // 2],
         resolution=1.0 / (size * step),
     )
 
 
-def _amplitudes(values: np.ndarray) -> np.ndarray:
-    """One-sided peak amplitudes with a Hann window; exact for a tone on a line."""
-    weights = np.hanning(len(values) + 1)[:-1]
-    return 2.0 * np.abs(np.fft.rfft((values - values.mean()) * weights)) / weights.sum()
+def _amplitudes(values: np.ndarray, starts: np.ndarray, size: int) -> np.ndarray:
+    """One-sided peak amplitudes (window, line) of the windows of a size that begin at `starts`, less their means."""
+    windows = values[starts + np.arange(size)[:, None]]
+    return amplitudes(windows - windows.mean(axis=0)).T

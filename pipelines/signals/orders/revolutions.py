@@ -14,7 +14,6 @@ Signal Process. 3(1), 87-97 (interpolation for the average over revolutions).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -33,15 +32,15 @@ def revolutions(
     rotation: Rotation,
     ratio: float,
     per_turn: int,
-    windows: Sequence[tuple[float, float]] | None = None,
+    window: tuple[float, float] | None = None,
 ) -> np.ndarray:
-    """Signals (..., turn, angle) over whole turns of a shaft, from all parts of the windows in which it turns.
+    """Signals (..., turn, angle) over whole turns of a shaft, from all parts of the window in which it turns.
 
     A turn begins where the angle of the shaft, `ratio` times that of the rotation, is a multiple of 2 pi. Column j is
     at the angle 2 pi j / per_turn after it, for both senses of rotation. The parts are in the order of time, the turns
-    of one part in the order of the angle. There may be no turn. A turn is omitted if it crosses the end of a window. It
-    is also omitted if it is closer to an end of the recording than the interpolation needs: HALF_WIDTH samples, or
-    angle steps if these are wider.
+    of one part in the order of the angle. There may be no turn. A turn is omitted if it crosses the end of the window,
+    or if it is closer to an end of the recording than the interpolation needs: HALF_WIDTH samples, or angle steps if
+    these are wider.
 
     Parameters
     ----------
@@ -50,31 +49,17 @@ def revolutions(
     rotation : of the recording
     ratio : turns of the shaft per turn of the first one
     per_turn : number of columns
-    windows : start and end in s, the whole recording if None
-
-    Raises
-    ------
-    ValueError : values, time and angle have different lengths
+    window : start and end in s, the whole recording if None
     """
-    if not values.shape[-1] == len(time) == len(rotation.angle):
-        raise ValueError(
-            f"values of {values.shape[-1]} samples, {len(time)} times, {len(rotation.angle)} angles: must be as many"
-        )
     angle = ratio * rotation.angle
-    found = []
-    for start, end in [(float(time[0]), float(time[-1]))] if windows is None else windows:
-        part = within(time, (start, end))
-        for stretch in moving_stretches(angle[part]):
-            found.append(_positions(angle, slice(part.start + stretch.start, part.start + stretch.stop), per_turn))
-    out = np.empty((*values.shape[:-1], sum(len(position) for position, _ in found), per_turn))
-    row = 0
-    for position, cutoff in found:
-        rows = slice(row, row + len(position))
-        row = rows.stop
-        out[..., rows, :] = interpolated(values, position.ravel(), cutoff.ravel()).reshape(
-            *values.shape[:-1], *position.shape
-        )
-    return out
+    part = within(time, window or (float(time[0]), float(time[-1])))
+    found = [np.empty((*values.shape[:-1], 0, per_turn))]
+    for stretch in moving_stretches(angle[part]):
+        whole = slice(part.start + stretch.start, part.start + stretch.stop)
+        position, cutoff = _positions(angle, whole, per_turn)
+        cut = interpolated(values, position.ravel(), cutoff.ravel())
+        found.append(cut.reshape(*values.shape[:-1], *position.shape))
+    return np.concatenate(found, axis=-2)
 
 
 def within(time: np.ndarray, window: tuple[float, float]) -> slice:

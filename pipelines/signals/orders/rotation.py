@@ -49,11 +49,6 @@ class Rotation:
         )
         return f"{known}. Source: {self.source}.{conditional}"
 
-    @property
-    def turns(self) -> float:
-        """Turns of the first shaft from the first to the last sample."""
-        return float(self.angle[-1] - self.angle[0]) / (2.0 * np.pi)
-
 
 def percent(error: float) -> str:
     """A relative uncertainty as text, in %."""

@@ -77,15 +77,15 @@ def _from_pulses(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
         raise RotationError(f"tachometer: {per_turn:g} pulses per turn. Give a number above 0.")
     time = np.asarray(recording.time, dtype=float)
     pulses = find_pulses(np.asarray(tachometer, dtype=float), time, tachometer.attrs.get("level"))
-    turning = angle_from_pulses(pulses, per_turn, time)
+    angle, error = angle_from_pulses(pulses, per_turn, time)
     corrected = [
         f"{number} {kind}" for number, kind in ((pulses.missing, "missing"), (pulses.double, "double")) if number
     ]
     words = f"tachometer on {shown(name)}, {per_turn:g} pulse{'' if per_turn == 1.0 else 's'} per turn"
     return Rotation(
-        angle=turning.angle / ratio,
+        angle=angle / ratio,
         source=words + (f"; {' and '.join(corrected)} pulses corrected" if corrected else ""),
-        error=turning.error / float(turning.angle[-1] - turning.angle[0]),
+        error=error / float(angle[-1] - angle[0]),
         absolute=per_turn == 1.0,
         mark=name,
     )
@@ -105,12 +105,12 @@ def _from_speed(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
     source = f"speed of {shown(name)} by the machine file, uncertainty {100 * uncertainty:g} %"
     if uncertainty <= LEAST:
         return Rotation(angle=angle, source=source, error=uncertainty, absolute=False)
-    best = by_multiples(_channels(recording), angle, kinematics, uncertainty)
-    if best.distance > uncertainty / 2:
+    factor, distance = by_multiples(_channels(recording), angle, kinematics, uncertainty)
+    if distance > uncertainty / 2:
         source += "; the multiples of the shafts in the envelope do not determine it better"
-        return Rotation(angle=angle, source=source, error=uncertainty, absolute=False, likely=best.factor)
+        return Rotation(angle=angle, source=source, error=uncertainty, absolute=False, likely=factor)
     source += "; the multiples of the shafts in the envelope determine it better"
-    return Rotation(angle=best.factor * angle, source=source, error=max(best.distance, LEAST), absolute=False)
+    return Rotation(angle=factor * angle, source=source, error=max(distance, LEAST), absolute=False)
 
 
 def _ratio(kinematics: Kinematics, name: str, what: str) -> float:

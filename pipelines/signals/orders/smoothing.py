@@ -64,9 +64,8 @@ def smooth(values: np.ndarray, before: int, after: int) -> Smooth:
 
 def _third_differences(n: int) -> np.ndarray:
     """D^T D of the third differences D (n - 3, n), upper bands (4, n)."""
-    weights = (-1.0, 3.0, -3.0, 1.0)
-    band = np.zeros((4, n))
-    for second in range(4):
-        for first in range(second + 1):
-            band[3 - (second - first), second : n - 3 + second] += weights[first] * weights[second]
-    return band
+    from scipy.sparse import diags
+
+    differences = diags((-1.0, 3.0, -3.0, 1.0), (0, 1, 2, 3), shape=(n - 3, n))
+    product = (differences.T @ differences).tocsr()
+    return np.array([np.pad(product.diagonal(above), (above, 0)) for above in (3, 2, 1, 0)])

@@ -27,7 +27,7 @@ Randall (2011), Vibration-based Condition Monitoring, Wiley, section 5.4 (sideba
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -82,8 +82,9 @@ class OrderLevels:
             total, number = total + self.values[line] * used, number + used
         return total / np.maximum(number, 1.0)
 
-    def leave_out(self, orders: Iterator[float]) -> None:
-        """Omit the main lobes of lines from the following means."""
+    def leave_out(self, orders: Iterable[float]) -> None:
+        """Omit the main lobes of these lines, and of no others, from the following means."""
+        self.used[:] = 1.0
         reach = _LOBE * _PADDED - 1
         for order in orders:
             line = round(order * self.per_order)
@@ -110,8 +111,7 @@ def best_speed(levels: OrderLevels, kinematics: Kinematics, lowest: float, highe
     fastest = max(meshes.values())
     step = 0.5 / (HARMONICS * fastest * levels.per_order)
     factors = np.exp(np.arange(np.log(lowest), np.log(highest), step / highest))
-    score = np.zeros(len(factors))
-    score += sum(
+    score = np.zeros(len(factors)) + sum(
         _deviations(levels.mean(harmonic * mesh * factors for harmonic in range(1, HARMONICS + 1)))
         for mesh in meshes.values()
     )
@@ -139,15 +139,12 @@ def unconfirmed(levels: OrderLevels, kinematics: Kinematics) -> dict[str, str]:
 
 def _unconfirmed(levels: OrderLevels, kinematics: Kinematics, name: str) -> str:
     """The reason why the spacing of a shaft is not confirmed; empty if it is."""
-    levels.used[:] = 1.0
-    levels.leave_out(
-        harmonic * mesh for mesh in kinematics.mesh_orders().values() for harmonic in range(1, HARMONICS + 1)
-    )
+    lines = [harmonic * mesh for mesh in kinematics.mesh_orders().values() for harmonic in range(1, HARMONICS + 1)]
     for other in kinematics.shafts:
         if other.name != name and other.ratio * levels.per_order > _PADDED * _RESOLVED:
-            levels.leave_out((mesh + side) * other.ratio for mesh, side in _sidebands(kinematics, other))
+            lines += [(mesh + side) * other.ratio for mesh, side in _sidebands(kinematics, other)]
+    levels.leave_out(lines)
     reasons = [_unlike(levels, kinematics, kinematics.shaft(name), reach) for reach in (FEW, SIDEBANDS)]
-    levels.used[:] = 1.0
     return _FRACTION if _FRACTION in reasons else reasons[-1] if all(reasons) else ""
 
 

@@ -13,7 +13,6 @@ Ho & Randall (2000), Mech. Syst. Signal Process. 14(5), 763-788 (spectrum of the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -28,15 +27,12 @@ SHARE = 0.4  # of the highest score
 LEAST = 0.001  # uncertainty, relative: the speed of a machine is never quite constant
 
 
-class Best(NamedTuple):
-    """The best speed relative to the given one, and the largest relative distance of another possible one."""
+def by_multiples(
+    signals: Sequence[np.ndarray], angle: np.ndarray, kinematics: Kinematics, uncertainty: float
+) -> tuple[float, float]:
+    """The speed, relative to the given one, at which the multiples of the shafts are highest, and its uncertainty.
 
-    factor: float = 1.0
-    distance: float = np.inf
-
-
-def by_multiples(signals: Sequence[np.ndarray], angle: np.ndarray, kinematics: Kinematics, uncertainty: float) -> Best:
-    """The speed within an uncertainty at which the multiples of the shafts are highest.
+    The uncertainty is the largest relative distance of another possible speed; inf if no multiple can be evaluated.
 
     Parameters
     ----------
@@ -51,7 +47,7 @@ def by_multiples(signals: Sequence[np.ndarray], angle: np.ndarray, kinematics: K
     orders = np.outer(sorted(ratios), np.arange(1, MULTIPLES + 1)).ravel()
     orders = orders[orders * (1.0 + uncertainty) * turns < len(angle) // 2]
     if not guard < HIGHEST or not len(orders) or not signals:
-        return Best()
+        return 1.0, np.inf
     tried = int(2.0 * uncertainty * turns * orders.max())  # to either side, half a line apart for the highest
     factors = 1.0 + uncertainty * np.linspace(-1.0, 1.0, 2 * tried + 1)
     at = np.rint(turns * orders[:, None] * factors).astype(int)
@@ -63,4 +59,4 @@ def by_multiples(signals: Sequence[np.ndarray], angle: np.ndarray, kinematics: K
         floor = max(float(np.median(lines[at.min() : at.max() + 1])), np.finfo(float).tiny)
         score += np.minimum(20.0 * np.log10(np.maximum(lines[at] / floor, 1.0)), LEAD).mean(axis=0)
     best = float(factors[score.argmax()])
-    return Best(best, float(np.abs(factors[score >= SHARE * score.max()] - best).max()))
+    return best, float(np.abs(factors[score >= SHARE * score.max()] - best).max())

@@ -44,13 +44,6 @@ class Pulses(NamedTuple):
     double: int
 
 
-class Turning(NamedTuple):
-    """`angle` (time,) rad of a shaft, 0 at the first pulse; `error`: standard uncertainty of its total increase."""
-
-    angle: np.ndarray
-    error: float
-
-
 def find_pulses(signal: np.ndarray, time: np.ndarray, level: float | None = None) -> Pulses:
     """The pulses of a tachometer.
 
@@ -137,12 +130,12 @@ def _around(spans: np.ndarray) -> np.ndarray:
     return median_filter(spans, size=min(_AROUND, len(spans)), mode="mirror")
 
 
-def angle_from_pulses(pulses: Pulses, pulses_per_turn: float, time: np.ndarray) -> Turning:
-    """The angle of the shaft that carries the tachometer.
+def angle_from_pulses(pulses: Pulses, pulses_per_turn: float, time: np.ndarray) -> tuple[np.ndarray, float]:
+    """Angle (time,) in rad of the shaft with the tachometer, 0 at the first pulse, and the error of its total increase.
 
-    The uncertainty is that of the smooth curve between the first and the last pulse, and at least that of the sampling:
-    one sampling interval divided by sqrt(12) for a pulse at each end. Near a stop the smooth curve oscillates. The
-    times are then interpolated by a monotone cubic instead.
+    The error is the standard uncertainty of the smooth curve between the first and the last pulse, and at least that of
+    the sampling: one sampling interval divided by sqrt(12) for a pulse at each end. Near a stop the smooth curve
+    oscillates. The times are then interpolated by a monotone cubic instead.
 
     Parameters
     ----------
@@ -168,4 +161,4 @@ def angle_from_pulses(pulses: Pulses, pulses_per_turn: float, time: np.ndarray) 
     angle = 2.0 * np.pi / pulses_per_turn * (together * turned + 0.5 * (together - 1))
     sampled = float(time[1] - time[0]) / math.sqrt(6.0 * together)
     speed = (angle[-1] - angle[0]) / (time[-1] - time[0])
-    return Turning(angle=angle, error=float(speed * max(climb * (time[-1] - time[0]), sampled)))
+    return angle, float(speed * max(climb * (time[-1] - time[0]), sampled))

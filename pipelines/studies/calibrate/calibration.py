@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from pipelines.datasets.campaign import run_campaign
-from pipelines.datasets.feature_source import dataset_rows
-from pipelines.datasets.feature_tables import stored_table
+from pipelines.datasets.feature_tables import dataset_rows, stored_table
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import read_row
 from pipelines.datasets.workers import local_workers
@@ -23,7 +22,8 @@ from pipelines.io.shown_text import shown
 from pipelines.machine.machine_model import MachineModel
 from pipelines.machine.scene_kinematics import kinematics_of
 from pipelines.recordings.machine_file import MeasuredMachine
-from pipelines.runs.judged_recording import SAME_SPEED, read_features, recording_and_window, requested_windows
+from pipelines.runs.judged_recording import SAME_SPEED
+from pipelines.runs.recorded_file import read_features, recording_and_window, requested_windows
 from pipelines.scene.load_scene import LoadedScene
 from pipelines.signals.features.feature_table import WHOLE
 from pipelines.studies.calibrate.free_keys import AFTER, BEFORE, FEWEST, STATE, Free, agreement_plan, calibration_plan

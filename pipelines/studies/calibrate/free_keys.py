@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pipelines.datasets.plan import Plan, plan_on
+from pipelines.datasets.plan import Plan, VariedKey, plan_of_study
 from pipelines.datasets.typical_spread import put_setting
 from pipelines.io.errors import InputError
 from pipelines.io.shown_text import number_of, shown
@@ -25,17 +25,11 @@ _EXAMPLE = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Free:
+class Free(VariedKey):
     """A free key of the scene, and the ends of its uniform prior in the unit of the key."""
 
-    key: str
     low: float
     high: float
-
-    @property
-    def variable(self) -> str:
-        """Its name as a variable of a plan: "load_torque_N_m"."""
-        return self.key.replace(".", "_").replace("-", "_")
 
 
 def parse_free(text: str) -> Free:
@@ -79,7 +73,7 @@ def calibration_plan(loaded: LoadedScene, machine: MachineModel, free: Sequence[
     variables[SPECIMEN] = {"from": 1, "to": 1_000_000}
     settings = {one.key: f"${one.variable}" for one in free} | {"deviations.seed": f"${SPECIMEN}"}
     tables = {"design": "latin-hypercube", "scenes": count, "variables": variables, "settings": _tree(settings)}
-    return _plan(loaded, machine, tables)
+    return plan_of_study(loaded, machine, tables, f"calibrate-{loaded.name}")
 
 
 def agreement_plan(loaded: LoadedScene, machine: MachineModel, values: Mapping[str, float]) -> Plan:
@@ -88,12 +82,7 @@ def agreement_plan(loaded: LoadedScene, machine: MachineModel, values: Mapping[s
     variables = {STATE: [BEFORE, AFTER], SPECIMEN: {"from": 1, "to": SPECIMENS}}
     settings = _tree({"deviations.seed": f"${SPECIMEN}"})
     tables = {"design": "grid", "variables": variables, "settings": settings, "cases": {STATE: cases}}
-    return _plan(loaded, machine, tables)
-
-
-def _plan(loaded: LoadedScene, machine: MachineModel, tables: Mapping[str, Any]) -> Plan:
-    signals = ["acceleration" if machine.sensors else "journal_acceleration", "shaft_angle"]
-    return plan_on(loaded, {**tables, "signals": signals, "split": {"test": 0.0}}, f"calibrate-{loaded.name}")
+    return plan_of_study(loaded, machine, tables, f"calibrate-{loaded.name}")
 
 
 def _tree(settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -44,17 +44,12 @@ def channels(sizes: Sequence[Machines]) -> tuple[DetectionChannel, ...]:
 
     Parameters
     ----------
-    sizes : machines of each size of the damage and each load, all with the same channels and features
-
-    Raises
-    ------
-    ValueError : the damaged component has no features
+    sizes : machines of each size of the damage and each load, all with the same channels and features, among them those
+        of the damaged component
     """
     table = sizes[0].baseline[0]
     damaged = {component for component, _ in sizes[0].damaged[0][1]}
     own = [line for line, component in enumerate(table.component) if component in damaged]
-    if not own:
-        raise ValueError(f"{', '.join(sorted(damaged))}: no features in these recordings")
     indices = np.mean([_indices(one) for one in sizes], axis=0)  # (channel, line)
     best = [own[int(np.argmax(indices[channel, own]))] for channel in range(len(table.sensor))]
     found = [

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from pipelines.diagnosis.verdict import ALARM
 from pipelines.io.shown_text import number_of
 from pipelines.io.text_table import Grid, grid
@@ -65,16 +67,15 @@ def conditions(found: Detectability) -> str:
 
 def probability_grid(found: Detectability) -> Grid:
     """A row per value and noise."""
-    keys = [over.last_key for over in found.design.over]
-    rows = []
-    for point in found.points:
-        one = point.detection
-        shares = (one.detected, one.above_healthy, one.shaft_first)
-        tooth = "-" if one.tooth_found is None else words(one.tooth_found)
-        cells = (*(f"{value}" for value in point.values.values()), f"{point.noise:g}")
-        rows.append((*cells, *map(words, shares), tooth))
+    keys = [over.key.rpartition(".")[2] for over in found.design.over]
     headers = (*keys, "noise m/s2", "detected", "above all healthy", "shaft ranks first", "tooth within one")
-    return Grid(title="Probability of detection", headers=headers, rows=tuple(rows))
+    return Grid(title="Probability of detection", headers=headers, rows=tuple(map(_cells, found.points)))
+
+
+def _cells(point: DetectionPoint) -> tuple[str, ...]:
+    one = point.detection
+    shares = (one.detected, one.above_healthy, one.shaft_first, one.tooth_found)
+    return (*map(str, point.values.values()), f"{point.noise:g}", *("-" if s is None else words(s) for s in shares))
 
 
 def false_alarm_grid(found: Detectability) -> Grid:
@@ -157,13 +158,18 @@ def figure(found: Detectability) -> Figure:
         at = [str(next(iter(point.values.values()), "")) for point in points]
         aside = 0.006 * number * width  # so that bars of equal values do not hide one another
         places = [aside + (steps.index(one) if even else number_of(one)) for one in at]
-        shares = [point.detection.detected for point in points]
-        values = [100 * one.value for one in shares]
-        below = [100 * (one.value - one.interval[0]) for one in shares]
-        above = [100 * (one.interval[1] - one.value) for one in shares]
+        shares = (point.detection.detected for point in points)
+        values, low, high = 100 * np.array([(one.value, *one.interval) for one in shares]).T
         label = ", ".join(filter(None, (f"noise {noise:g} m/s²", rest)))
         axes.errorbar(
-            places, values, yerr=(below, above), marker="o", ms=4, lw=1.2, capsize=3, label=plain_words(label)
+            places,
+            values,
+            yerr=(values - low, high - values),
+            marker="o",
+            ms=4,
+            lw=1.2,
+            capsize=3,
+            label=plain_words(label),
         )
     if even:
         axes.set_xticks(range(len(steps)), labels=[plain_words(step) for step in steps])

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from typing import Any
 
+from pipelines.datasets.plan import VariedKey
 from pipelines.io.errors import InputError
 from pipelines.io.shown_text import shown
 from pipelines.scene.merge import setting_value
@@ -15,26 +16,15 @@ _EXAMPLE = "Write --over faults.1.depth_mm=0.2:2:0.2, or --over faults.1.depth_m
 
 
 @dataclass(frozen=True, kw_only=True)
-class Over:
-    """A key of the scene, with items counted from 1 as in `--set`, and its values in their order."""
+class Over(VariedKey):
+    """A key of the scene and its values in their order."""
 
-    key: str
     values: tuple[Any, ...]
-
-    @property
-    def variable(self) -> str:
-        """Its name as a variable of a plan: "faults_1_depth_mm"."""
-        return self.key.replace(".", "_").replace("-", "_")
 
     @property
     def first_key(self) -> str:
         """The table of the scene that it stands in."""
         return self.key.partition(".")[0]
-
-    @property
-    def last_key(self) -> str:
-        """Its own name with the unit: "depth_mm"."""
-        return self.key.rpartition(".")[2]
 
 
 def parse_over(text: str, option: str = "--over", example: str = _EXAMPLE) -> Over:

@@ -11,7 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from pipelines.datasets.plan import Plan, plan_on
+from pipelines.datasets.plan import Plan, plan_of_study
+from pipelines.datasets.typical_spread import put_setting
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.io.errors import InputError
 from pipelines.io.shown_text import shown
@@ -29,17 +30,15 @@ _DROPPED = ("control", "title", "diagnosis")  # tables and keys that do not chan
 
 @dataclass(frozen=True, kw_only=True)
 class Design:
-    """Varied keys `over`, and numbers of machines: `baseline` and tested `healthy` ones, `damaged` ones per value."""
+    """Varied keys `over`, and numbers of machines: `baseline` and tested `healthy` ones, `damaged` ones per value.
+
+    Machines are numbered from 1 in this order.
+    """
 
     over: tuple[Over, ...] = ()
     baseline: int = 8
     healthy: int = 20
     damaged: int = 10
-
-    @property
-    def specimens(self) -> tuple[int, int, int]:
-        """Number, from 1, of the last machine of the baseline, of the healthy machines, and of all machines."""
-        return self.baseline, self.baseline + self.healthy, self.baseline + self.healthy + self.damaged
 
 
 def detection_plan(loaded: LoadedScene, machine: MachineModel, design: Design) -> Plan:
@@ -60,23 +59,22 @@ def detection_plan(loaded: LoadedScene, machine: MachineModel, design: Design) -
     damaged: dict[str, Any] = {"faults": _shifted_teeth(loaded.scene)} if loaded.scene.tooth_faults else {}
     common: dict[str, Any] = {"deviations": {"seed": f"$({loaded.scene.deviations.seed} + {SPECIMEN}) - 1"}}
     for over in design.over:
-        _put(damaged if over.first_key in healthy else common, over)
-    _, last_healthy, last = design.specimens
-    return plan_on(
+        put_setting(damaged if over.first_key in healthy else common, over.key.split("."), f"${over.variable}")
+    last_healthy = design.baseline + design.healthy
+    return plan_of_study(
         loaded,
+        machine,
         {
             "title": f"Detectability: {'; '.join(machine.fault_words)}"[:200],
             "design": "grid",
-            "signals": ["acceleration" if machine.sensors else "journal_acceleration", "shaft_angle"],
             "constraints": [f"({STATE} == '{HEALTHY}') == ({SPECIMEN} <= {last_healthy})"],
             "variables": {
                 STATE: [HEALTHY, DAMAGED],
                 **{over.variable: list(over.values) for over in design.over},
-                SPECIMEN: {"from": 1, "to": last},
+                SPECIMEN: {"from": 1, "to": last_healthy + design.damaged},
             },
             "settings": common,
             "cases": {STATE: {HEALTHY: healthy, DAMAGED: damaged}},
-            "split": {"test": 0.0},
         },
         f"detect-{loaded.name}",
     )
@@ -115,21 +113,12 @@ def _check(loaded: LoadedScene, machine: MachineModel, design: Design) -> None:
 
 def _shifted_teeth(scene: Scene) -> dict[str, Any]:
     """Settings that increase the number of each damaged tooth by one from machine to machine."""
+
+    def teeth(stage: int, gear: str) -> int:
+        return int(getattr(scene.stages[stage - 1], f"{gear}_teeth"))
+
     return {
-        str(number): {"tooth": f"$({fault.tooth} + {SPECIMEN}) % {_teeth(scene, fault.stage, fault.gear)}"}
+        str(number): {"tooth": f"$({fault.tooth} + {SPECIMEN}) % {teeth(fault.stage, fault.gear)}"}
         for number, fault in scene.tooth_faults.items()
         if fault.tooth is not None
     }
-
-
-def _teeth(scene: Scene, stage: int, gear: str) -> int:
-    pair = scene.stages[stage - 1]
-    return pair.pinion_teeth if gear == "pinion" else pair.wheel_teeth
-
-
-def _put(tree: dict[str, Any], over: Over) -> None:
-    """Insert a varied key into a tree of settings."""
-    *path, last = over.key.split(".")
-    for key in path:
-        tree = tree.setdefault(key, {})
-    tree[last] = f"${over.variable}"

@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from pipelines.datasets.campaign_scenes import scene_of
-from pipelines.datasets.feature_tables import make_tables, table_job
+from pipelines.datasets.feature_tables import dataset_rows, stored_table
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import DONE, read_rows
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
-from pipelines.diagnosis.simulated_features import FeatureSettings
 from pipelines.io.errors import InputError
 from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.machine.scene_kinematics import kinematics_of
@@ -21,7 +20,6 @@ from pipelines.signals.features.feature_table import FeatureTable, left_out_word
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.steps.verdict import known_damages
 from pipelines.studies.detect.channel_detectability import DetectionChannel, channels
-from pipelines.studies.detect.detection_axis import Over
 from pipelines.studies.detect.detection_campaign import HEALTHY, SPECIMEN, STATE, Design
 from pipelines.studies.detect.probability import Damage, Detection, Machines, detection
 
@@ -71,14 +69,16 @@ def study(
     windows : start and end (s) of each diagnosed window by name; the whole run if empty
     noises : rms of the added sensor noise, m/s2
     executor : of the work
-    on_progress : callback with the number of finished runs and that of all
+    on_progress : callback with the number of finished runs and that of all, for each noise
 
     Raises
     ------
     InputError : too few runs were simulated, or the damaged component has no features
     """
     varied = [over.variable for over in design.over]
-    shared = [over.variable for over in shared_over(plan, design)]
+    # keys that also change the healthy machines: all that do not belong to the fault
+    of_all = [over for over in design.over if over.first_key not in plan.table.cases[STATE][HEALTHY]]
+    shared = [over.variable for over in of_all]
     runs = [row for row in read_rows(folder) if row["status"] == DONE]
     healthy = [row for row in runs if row["values"][STATE] == HEALTHY]
     damaged = [row for row in runs if row["values"][STATE] != HEALTHY]
@@ -93,18 +93,14 @@ def study(
         train = make_drivetrain(scene_of(plan, row["values"]).scene, plan.name)
         damages[row["run"]] = [(one.component, one.tooth) for one in known_damages(train)]
         known.setdefault(_values(row, shared), kinematics_of(train.layout, train.rolling))
-    settings = {key: FeatureSettings(kinematics=one, windows=windows) for key, one in known.items()}
-    jobs = {
-        (row["run"], noise): table_job(folder, row["run"], settings[_values(row, shared)], noise, row["checksums"])
-        for noise in noises
-        for row in runs
-        if _values(row, shared) in settings
-    }
-    tables = dict(zip(jobs, make_tables([*jobs.values()], executor, on_progress), strict=True))
     found = []
     first: list[Machines] = []
     for noise in noises:
-        here = {run: table for (run, at), table in tables.items() if at == noise and table is not None}
+        place = f"feature_tables/{noise:g}"
+        rows = [*dataset_rows(folder, windows, noise, executor, on_progress, rows=place, complete=False)]
+        here = {row["run"]: table for row in rows if (table := stored_table(row["table"])) is not None}
+        if not here:
+            raise InputError(f"no run has features. The first: {rows[0]['failure']}")
         for values in points:
             own = [row for row in damaged if _values(row, varied) == values]
             common = _values(own[0], shared)
@@ -124,16 +120,11 @@ def study(
         name=plan.name,
         damage=plan.table.title.partition(": ")[2],
         design=design,
-        shared=tuple(over.key for over in shared_over(plan, design)),
+        shared=tuple(over.key for over in of_all),
         noises=tuple(noises),
         points=tuple(found),
         channels=channels(first),
     )
-
-
-def shared_over(plan: Plan, design: Design) -> list[Over]:
-    """The varied keys that also change the healthy machines: all that do not belong to the fault."""
-    return [over for over in design.over if over.first_key not in plan.table.cases[STATE][HEALTHY]]
 
 
 def _values(row: Mapping[str, Any], variables: Sequence[str]) -> Values:

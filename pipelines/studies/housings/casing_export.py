@@ -143,35 +143,32 @@ def _modes(
     omega = np.sqrt(np.maximum(square, 0.0))
     zeta = np.einsum("im,ij,jm->m", phi, body.damping, phi, optimize=True) / (2.0 * omega)
     points = ", ".join(f"{n} {name}" for n, name in zip(nodes, body.point_names, strict=True))
-    sets = []
-    for mode in np.flatnonzero(omega <= 2.0 * math.pi * band):
-        shape = motions @ phi[:, mode]
-        sets.append(
-            pyuff.prepare_55(
-                id1=title[:80],
-                id2="natural modes, unit modal mass",
-                id3=points[:80],
-                id4="NONE",
-                id5="NONE",
-                model_type=1,
-                analysis_type=2,
-                data_ch=2,
-                spec_data_type=8,
-                data_type=2,
-                n_data_per_node=3,
-                r1=shape[:, 0],
-                r2=shape[:, 1],
-                r3=shape[:, 2],
-                load_case=1,
-                mode_n=int(mode) + 1,
-                freq=float(omega[mode] / (2.0 * math.pi)),
-                modal_m=1.0,
-                modal_damp_vis=float(zeta[mode]),
-                modal_damp_his=0.0,
-                node_nums=nodes,
-            )
+    return [
+        pyuff.prepare_55(
+            id1=title[:80],
+            id2="natural modes, unit modal mass",
+            id3=points[:80],
+            id4="NONE",
+            id5="NONE",
+            model_type=1,
+            analysis_type=2,
+            data_ch=2,
+            spec_data_type=8,
+            data_type=2,
+            n_data_per_node=3,
+            r1=motions[:, 0] @ phi[:, mode],
+            r2=motions[:, 1] @ phi[:, mode],
+            r3=motions[:, 2] @ phi[:, mode],
+            load_case=1,
+            mode_n=int(mode) + 1,
+            freq=float(omega[mode] / (2.0 * math.pi)),
+            modal_m=1.0,
+            modal_damp_vis=float(zeta[mode]),
+            modal_damp_his=0.0,
+            node_nums=nodes,
         )
-    return sets
+        for mode in np.flatnonzero(omega <= 2.0 * math.pi * band)
+    ]
 
 
 def _accelerances(

@@ -106,8 +106,7 @@ def _flats(contents: GeometryContents) -> str:
         }
         for one in contents.flats[: MOST_ROWS // 4]
     ]
-    title = f"{len(contents.flats)} flat faces, the largest first"
-    return _cut_off(title, rows, len(contents.flats))
+    return _cut_off(f"{len(contents.flats)} flat faces, the largest first", rows, len(contents.flats))
 
 
 def _patterns(contents: GeometryContents) -> str:

@@ -50,7 +50,7 @@ def write_reduced(
     rows = sp.csr_matrix((np.ones(len(kept)), (np.arange(len(kept)), kept)), shape=(len(kept), len(free)))
     penalty = np.maximum(K.diagonal()[kept], 1e-6 * K.diagonal().max())
     try:
-        interface = held_interface(K, rows, penalty=penalty, solver="superlu")
+        interface = held_interface(K, rows, penalty=penalty)
         reduction = reduce_body(interface, K, M, highest=MODES_OVER_BAND * band)
     except (ReductionError, SingularMatrixError) as error:
         raise InputError(

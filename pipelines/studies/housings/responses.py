@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +20,7 @@ from pipelines.io.errors import InputError
 from pipelines.io.shown_text import shown
 
 if TYPE_CHECKING:
+    import xarray
     from matplotlib.figure import Figure
 
     from fem.casing.reduced.reduced_body import ReducedBody
@@ -28,17 +28,6 @@ if TYPE_CHECKING:
 LINES = 2000  # frequencies of a response
 _COLOURS = {"x": "#2a6f97", "y": "#3a7d44", "z": "#c23b22"}
 _COLUMNS = 3  # points side by side in a plot
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Accelerance:
-    """Acceleration of some points per force at one, m/s2/N."""
-
-    force: str  # "bearing_1:z"
-    outputs: tuple[str, ...]  # "sensor_3:z"
-    frequencies: np.ndarray  # (line,) Hz, evenly spaced from the first one
-    values: np.ndarray  # complex (line, output)
-    damping: str  # in words
 
 
 def accelerances(body: ReducedBody, outputs: np.ndarray, inputs: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
@@ -82,8 +71,10 @@ def checked_names(names: Sequence[str], bearings: Sequence[str], sensors: Sequen
         raise InputError("--response: the casing has no sensors. Name a point of the response too, as in bearing_1:z.")
 
 
-def accelerance(body: ReducedBody, names: Sequence[str], band: float, damping: str) -> Accelerance:
-    """The responses to a force, up to the band of the casing.
+def accelerance(body: ReducedBody, names: Sequence[str], band: float, damping: str) -> xarray.DataArray:
+    """The responses (frequency, output) to a force, m/s2/N, up to the band of the casing.
+
+    Their attributes name the force and the damping.
 
     Parameters
     ----------
@@ -97,6 +88,8 @@ def accelerance(body: ReducedBody, names: Sequence[str], band: float, damping: s
     ------
     InputError : a point without motion in a direction, as one that bears no load along it
     """
+    import xarray
+
     force, *responses = names
     if not responses:
         responses = [name for name in body.point_names if not name.startswith(("bearing_", "ground_"))]
@@ -106,7 +99,12 @@ def accelerance(body: ReducedBody, names: Sequence[str], band: float, damping: s
     frequencies = band * np.arange(1, LINES + 1) / LINES
     rows = np.array([body.row(known[name]) for name in outputs])
     values = accelerances(body, rows, body.row(known[into])[None], frequencies)[:, :, 0]
-    return Accelerance(force=into, outputs=tuple(outputs), frequencies=frequencies, values=values, damping=damping)
+    return xarray.DataArray(
+        values,
+        coords={"frequency": frequencies, "output": outputs},
+        dims=("frequency", "output"),
+        attrs={"force": into, "damping": damping, "units": "m/s2/N"},
+    )
 
 
 def _rows_of(name: str, known: dict[str, str]) -> list[str]:
@@ -124,22 +122,22 @@ def damping_words(ratios: np.ndarray, frequencies: np.ndarray, band: float) -> s
     return f"damping ratio of the modes {low:.3g} %" + (f" to {high:.3g} %" if high > 1.001 * low else "")
 
 
-def table_lines(found: Accelerance, title: str) -> Iterator[str]:
+def table_lines(found: xarray.DataArray, title: str) -> Iterator[str]:
     """Lines of a CSV file: two of comments, the heading, then frequency, amplitude and phase of every response."""
     yield f"# {title}: acceleration per force at {found.force}; {found.damping}\n"
     yield "# frequency in Hz, amplitude in m/s2/N, phase of the acceleration relative to the force in degrees\n"
-    heads = [f"{name} {what}" for name in found.outputs for what in ("amplitude", "phase")]
+    heads = [f"{name} {what}" for name in found.output.values for what in ("amplitude", "phase")]
     yield f"{','.join(['frequency', *heads])}\n"
-    for frequency, row in zip(found.frequencies, found.values, strict=True):
+    for frequency, row in zip(found.frequency.values, found.values, strict=True):
         pairs = np.column_stack([np.abs(row), np.degrees(np.angle(row))]).ravel()
         yield f"{frequency:.10g},{','.join(f'{value:.8g}' for value in pairs)}\n"
 
 
-def accelerance_figure(found: Accelerance, title: str) -> Figure:
+def accelerance_figure(found: xarray.DataArray, title: str) -> Figure:
     """Amplitude over phase for every point, its axes in three colours."""
     from pipelines.report.figures.plots import dress, new_figure, plain
 
-    points = list(dict.fromkeys(name.split(":")[0] for name in found.outputs))
+    points = list(dict.fromkeys(name.split(":")[0] for name in found.output.values))
     columns = min(_COLUMNS, len(points))
     rows = -(-len(points) // columns)
     figure = new_figure(0.6 + 3.6 * rows + 1.4 * (rows == 1), 4.4 * columns if columns > 1 else 9.0)
@@ -149,16 +147,16 @@ def accelerance_figure(found: Accelerance, title: str) -> Figure:
     low, high = amplitude[amplitude > 0.0].min(initial=np.inf), amplitude.max()
     for box, point in zip(boxes, points, strict=False):
         above, below = box.subplots(2, 1, sharex=True, height_ratios=(2.2, 1.0))
-        for number, name in enumerate(found.outputs):
+        for number, name in enumerate(found.output.values):
             if name.split(":")[0] == point:
                 axis = name.split(":")[1]
                 looks = {"color": _COLOURS[axis], "lw": 1.0, "label": axis}
-                above.semilogy(found.frequencies, amplitude[:, number], **looks)
-                below.plot(found.frequencies, np.degrees(np.angle(found.values[:, number])), **looks)
+                above.semilogy(found.frequency.values, amplitude[:, number], **looks)
+                below.plot(found.frequency.values, np.degrees(np.angle(found.values[:, number])), **looks)
         dress(above, point, "", "m/s2/N")
         dress(below, "", "Hz", "phase, deg")
         above.set_ylim(max(0.5 * low, 1e-6 * high), 2.0 * high)
-        below.set_xlim(0.0, found.frequencies[-1])
+        below.set_xlim(0.0, found.frequency.values[-1])
         below.set_ylim(-180.0, 180.0)
         below.set_yticks([-180, 0, 180])
         above.legend(loc="lower right", ncols=3, frameon=False, fontsize=8)

@@ -9,7 +9,7 @@ from fem.casing.mesh.imported_housing import UNITS
 from fem.casing.recognition.housing_contents import GeometryContents
 from fem.casing.recognition.shaft_fit import FittedShaft, ShaftFit, fit_shafts
 from pipelines.machine.layout import lay_out
-from pipelines.machine.scene_bearings import bearing_names
+from pipelines.machine.scene_bearings import placed_bearings
 from pipelines.scene.scene import Scene
 
 
@@ -17,9 +17,9 @@ def shaft_places(scene: Scene, source: str) -> tuple[FittedShaft, ...]:
     """The shafts that have bearings in the casing; SceneError if its gears do not work."""
     layout = lay_out(scene, source)
     found: dict[int, list[tuple[str, float]]] = {}
-    for name, shaft, place in bearing_names(scene.shafts):
-        if name.startswith("bearing"):
-            found.setdefault(shaft, []).append((name, scene.shafts[shaft].si.bearing_positions[place]))
+    for one in placed_bearings(scene):
+        if one.support == "casing":
+            found.setdefault(one.shaft, []).append((one.name, one.y))
     return tuple(
         FittedShaft(
             x=layout.axes[shaft][0],

@@ -11,15 +11,14 @@ the feet are part of the stiffness. The body is held where g is held.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
 
 import numpy as np
 
 from fem.casing.reduced.reduced_body import ReducedBody
-from pipelines.io.user_files import whole_file
+from pipelines.io.user_files import whole_file, write_whole
 
 _AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 
@@ -199,16 +198,11 @@ def write_punch(found: Superelement, path: Path, target: Path) -> None:
 def _write_map(found: Superelement, target: Path) -> list[Path]:
     """Write nodes and equations as comma-separated rows."""
     nodes, equations = (target.with_name(f"{target.stem}-{what}.csv") for what in ("nodes", "equations"))
-    _write_text(nodes, lambda file: _node_rows(found, file))
-    _write_text(equations, lambda file: np.savetxt(file, found.equations, "%d", ",", header="node, axis (0: modal)"))
+    places = (
+        f"# {name}: number, x, y, z in m\n{int(number)},{x:.17g},{y:.17g},{z:.17g}\n"
+        for name, (number, x, y, z) in zip(found.node_names, found.nodes, strict=True)
+    )
+    write_whole(nodes, "".join(places))
+    lines = (f"{node},{axis}\n" for node, axis in found.equations)
+    write_whole(equations, "# node, axis (0: modal)\n" + "".join(lines))
     return [nodes, equations]
-
-
-def _node_rows(found: Superelement, file: IO[str]) -> None:
-    for name, (number, x, y, z) in zip(found.node_names, found.nodes, strict=True):
-        file.write(f"# {name}: number, x, y, z in m\n{int(number)},{x:.17g},{y:.17g},{z:.17g}\n")
-
-
-def _write_text(target: Path, write: Callable[[IO[str]], None]) -> None:
-    with whole_file(target) as partial, partial.open("w", encoding="ascii") as file:
-        write(file)

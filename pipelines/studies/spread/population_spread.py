@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,9 +12,8 @@ import numpy as np
 from pipelines.datasets.campaign import run_campaign
 from pipelines.datasets.campaign_scenes import group_variables
 from pipelines.datasets.columns import as_array
-from pipelines.datasets.feature_source import dataset_rows
-from pipelines.datasets.feature_tables import stored_table
-from pipelines.datasets.plan import Plan, plan_on, plan_tables
+from pipelines.datasets.feature_tables import dataset_rows, stored_table
+from pipelines.datasets.plan import Plan, plan_of_study, plan_tables
 from pipelines.datasets.rows import read_row
 from pipelines.datasets.typical_spread import TYPICAL, typical
 from pipelines.datasets.workers import local_workers
@@ -87,11 +86,10 @@ def spread_plan(loaded: LoadedScene, machine: MachineModel, over: str | Path | N
         raise InputError(f"{count} machines: an interval of 90 % needs {FEWEST} or more. Increase --machines.")
     if over is None:
         tables["variables"][_SPECIMEN]["to"] = count // 2
-    signals = ["acceleration" if machine.sensors else "journal_acceleration", "shaft_angle"]
     title = f"Spread of {loaded.name} over {TYPICAL if over is None else Path(over).stem}"
-    own = {"scenes": count, "title": title[:200], "signals": signals, "split": {"test": 0.0}}
+    own = {"scenes": count, "title": title[:200]}
     kept = {key: value for key, value in tables.items() if key not in _OWN}
-    return plan_on(loaded, kept | own, f"spread-{loaded.name}")
+    return plan_of_study(loaded, machine, kept | own, f"spread-{loaded.name}")
 
 
 def run_spread(
@@ -115,11 +113,6 @@ def run_spread(
     run_campaign(plan, folder, local_workers(processes), building, quiet=quiet)
     with local_workers(processes) as workers, reported_count("machines", quiet=quiet) as report:
         rows = list(dataset_rows(folder, monitored.windows, monitored.noise, workers.executor, report))
-    return _spread(plan, folder, rows)
-
-
-def _spread(plan: Plan, folder: Path, rows: Sequence[Mapping[str, Any]]) -> FeatureSpread:
-    """The study, from the rows of the features."""
     tables = {row["run"]: stored_table(row["table"]) for row in rows}
     found = {run: line_levels(table) for run, table in tables.items() if table is not None}
     if len(found) < FEWEST:

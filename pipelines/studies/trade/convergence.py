@@ -62,25 +62,17 @@ def study(sizes: Sequence[float], values: Sequence[float], formal_order: float |
 
     Parameters
     ----------
-    sizes : element size, step, ... of each level, any unit, in any order
+    sizes : element size, step, ... of each of three levels or more, any unit, the finest first
     values : the quantity at each level
     formal_order : upper bound of the order in the bands; it does not limit the observed order
 
     Raises
     ------
-    ConvergenceError : fewer than three levels, equal or non-positive sizes, values that are not finite
+    ConvergenceError : values that are not finite
     """
-    if len(sizes) != len(values) or len(sizes) < 3:
-        raise ConvergenceError(
-            f"a convergence study needs at least 3 levels and one value for each; here are {len(sizes)} and "
-            f"{len(values)}. Set --levels 3 or more"
-        )
     if not all(math.isfinite(v) for v in values):
         raise ConvergenceError(f"values {list(values)} are not all finite; the coarsest level may be too coarse")
-    levels = sorted(zip(sizes, values, strict=True))
-    h, v = tuple(level[0] for level in levels), tuple(level[1] for level in levels)
-    if h[0] <= 0 or any(b <= a for a, b in zip(h, h[1:], strict=False)):
-        raise ConvergenceError(f"sizes {list(h)} must be positive and differ from one another")
+    h, v = tuple(sizes), tuple(values)
     kind, order = _order(h[:3], v[:3])
     if kind == "unchanged":
         return Convergence(sizes=h, values=v, kind=kind, order=None, limit=v[0], bands=tuple(abs(x - v[0]) for x in v))

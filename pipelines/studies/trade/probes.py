@@ -150,20 +150,19 @@ def _lines(machine: MachineModel, outcome: Outcome) -> list[Value]:
         settings = at_measured_speed(settings, (run,))
     found = analyse(run, settings, stream=1)
     orders = np.arange(1, settings.envelope_harmonics + 1)
+    places = orders * settings.revolution_frequency
     values = []
     for window, envelope in found.envelopes.items():
-        lines = envelope.lines(orders * settings.revolution_frequency)
-        floors = envelope.floors(orders * settings.revolution_frequency)
-        for order, line, floor in zip(orders, lines, floors, strict=True):
-            over = 20 * np.log10(line / floor)
-            values.append(
-                Value(
-                    name=f"envelope {order} f_r, {window}",
-                    unit=DECIBEL,
-                    value=float(20 * np.log10(line)),
-                    firm=bool(over >= settings.floor_limit),
-                )
+        levels, floors = 20 * np.log10(envelope.lines(places)), 20 * np.log10(envelope.floors(places))
+        values += [
+            Value(
+                name=f"envelope {order} f_r, {window}",
+                unit=DECIBEL,
+                value=float(level),
+                firm=bool(level - floor >= settings.floor_limit),
             )
+            for order, level, floor in zip(orders, levels, floors, strict=True)
+        ]
     return values
 
 

@@ -111,12 +111,10 @@ def unpaired_modes(levels: Sequence[Measured]) -> dict[str, float]:
     from fem.casing.uncertainty.pairing import assurance, counterparts
 
     shapes = _shapes(levels)
-    closest = np.ones(shapes[0].shape[1])
-    for other in shapes[1:]:
-        alone = counterparts(shapes[0], other) < 0
-        closest[alone] = np.minimum(closest[alone], assurance(shapes[0], other).max(axis=1)[alone])
-        closest[alone] = np.minimum(closest[alone], np.nextafter(1.0, 0.0))
-    return {v.name: float(mac) for v, mac in zip(levels[0].values, closest, strict=True) if mac < 1.0}
+    alone = np.array([counterparts(shapes[0], other) < 0 for other in shapes[1:]])  # (level, mode)
+    closest = np.array([assurance(shapes[0], other).max(axis=1) for other in shapes[1:]])
+    columns = zip(levels[0].values, alone.T, closest.T, strict=True)
+    return {v.name: float(macs[missing].min()) for v, missing, macs in columns if missing.any()}
 
 
 def modes_of_common_order(

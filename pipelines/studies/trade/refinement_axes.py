@@ -46,9 +46,7 @@ def _of_meshes(axis: str, key: str, made: Callable[[float], float]) -> Callable[
 
 
 def _casing_mesh(scene: Scene, fineness: float) -> Settings:
-    from pipelines.scene.tables.casing import ElasticBase
-
-    if not isinstance(scene.casing, ElasticBase):
+    if not scene.casing.elastic:
         return _nothing("casing-mesh", "casing.model", scene.casing.model, "craig-bampton")
     if scene.casing.housing.model == "matrices":
         raise AxisError(

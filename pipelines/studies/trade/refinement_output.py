@@ -38,22 +38,23 @@ TRANSMISSION = "transmission"
 LOWEST_ORDER = 8
 
 
-def convergence_table(name: str, found: RefinementStudy) -> Grid:
+def convergence_table(title: str, found: RefinementStudy) -> Grid:
     """One row for each quantity: values at all levels, order, limit, and the error and band of the setting in use."""
-    rows = []
-    for quantity, convergence in found.quantities.items():
-        row: dict[str, object] = {"quantity": f"{quantity}, {found.units[quantity]}"}
-        for fineness, value in zip(found.fineness, convergence.values, strict=True):
-            row[level_name(fineness)] = f"{value:.6g}"
-        row["order"] = convergence.kind if convergence.order is None else convergence.order
-        row["extrapolated"] = f"{convergence.limit:.6g}"
-        row["error %"] = 100 * convergence.errors[found.in_use]
-        row["band +-%"] = 100 * convergence.relative_bands[found.in_use]
-        rows.append(row)
-    costs: dict[str, object] = {"quantity": "computing time, s"}
-    for fineness, level in zip(found.fineness, found.levels, strict=True):
-        costs[level_name(fineness)] = f"{level.total_seconds:.3g}"
-    return grid(f"{name}: convergence over the {AXES[found.axis].words} (x2: twice as fine)", [*rows, costs])
+    names, at = [level_name(fineness) for fineness in found.fineness], found.in_use
+    rows: list[dict[str, object]] = [
+        {
+            "quantity": f"{quantity}, {found.units[quantity]}",
+            **{name: f"{value:.6g}" for name, value in zip(names, one.values, strict=True)},
+            "order": one.kind if one.order is None else one.order,
+            "extrapolated": f"{one.limit:.6g}",
+            "error %": 100 * one.errors[at],
+            "band +-%": 100 * one.relative_bands[at],
+        }
+        for quantity, one in found.quantities.items()
+    ]
+    costs = {name: f"{level.total_seconds:.3g}" for name, level in zip(names, found.levels, strict=True)}
+    rows.append({"quantity": "computing time, s", **costs})
+    return grid(f"{title}: convergence over the {AXES[found.axis].words} (x2: twice as fine)", rows)
 
 
 def verdict(found: RefinementStudy, target: float) -> str:
@@ -157,17 +158,16 @@ def tone_and_distance(error: np.ndarray, finest: np.ndarray) -> tuple[float, flo
     return float(lines[LOWEST_ORDER:].max()), float(difference.std())
 
 
-def slicing_table(name: str, found: RefinementStudy) -> Grid:
+def slicing_table(title: str, found: RefinementStudy) -> Grid:
     """Table of the TE error against the finest level by stage and level: largest high-order line and rms, um."""
     curves = [
         np.array([v.value for v in level.by_probe[TRANSMISSION]]).reshape(-1, POSITIONS) for level in found.levels
     ]
-    rows = []
-    for stage, finest in enumerate(curves[0]):
-        for number, words in enumerate(("largest line", "rms")):
-            row: dict[str, object] = {"TE less that of the finest level": f"stage {stage + 1} {words}, um"}
-            for fineness, level in zip(found.fineness[1:], curves[1:], strict=True):
-                value = tone_and_distance(level[stage], finest)[number]
-                row[level_name(fineness)] = f"{value:.2g}"
-            rows.append(row)
-    return grid(f"{name}: spurious excitation by slices (mesh order {LOWEST_ORDER} and above), error of TE", rows)
+    names = [level_name(fineness) for fineness in found.fineness[1:]]
+    rows: list[dict[str, object]] = []
+    for stage, (finest, *coarser) in enumerate(zip(*curves, strict=True), 1):
+        errors = [tone_and_distance(one, finest) for one in coarser]
+        for words, values in zip(("largest line", "rms"), zip(*errors, strict=True), strict=True):
+            cells = {name: f"{value:.2g}" for name, value in zip(names, values, strict=True)}
+            rows.append({"TE less that of the finest level": f"stage {stage} {words}, um", **cells})
+    return grid(f"{title}: spurious excitation by slices (mesh order {LOWEST_ORDER} and above), error of TE", rows)

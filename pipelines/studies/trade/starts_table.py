@@ -25,18 +25,17 @@ def spread_table(starts: Sequence[Sequence[Value]]) -> Grid:
 
     count = len(starts)
     factor = float(t.ppf(0.975, count - 1)) / np.sqrt(count)
-    rows = []
-    for same in zip(*starts, strict=True):
-        levels = np.array([value.value for value in same])
-        spread = float(levels.std(ddof=1))
-        rows.append(
-            {
-                "level": f"{same[0].name}, {same[0].unit}",
-                "mean": float(levels.mean()),
-                "mean +/- (95 % interval)": factor * spread,
-                "standard deviation": spread,
-                "lowest": float(levels.min()),
-                "highest": float(levels.max()),
-            }
-        )
+    levels = np.array([[value.value for value in start] for start in starts])
+    spreads = levels.std(axis=0, ddof=1)
+    rows = [
+        {
+            "level": f"{value.name}, {value.unit}",
+            "mean": float(own.mean()),
+            "mean +/- (95 % interval)": factor * float(spread),
+            "standard deviation": float(spread),
+            "lowest": float(own.min()),
+            "highest": float(own.max()),
+        }
+        for value, own, spread in zip(starts[0], levels.T, spreads, strict=True)
+    ]
     return grid(f"{count} initial states", rows)

@@ -13,7 +13,7 @@ from pipelines.machine.layout import lay_out
 from pipelines.scene.load_scene import LoadedScene, changed
 from pipelines.studies.trade.line_uncertainty import line_uncertainty
 from pipelines.studies.trade.measured_variants import Measured, measure, step_costs
-from pipelines.studies.trade.probes import DECIBEL, PROBES, Value
+from pipelines.studies.trade.probes import DECIBEL, PROBES
 from pipelines.studies.trade.tradeoff_choices import PRESET, Choice, choices
 
 JUDGE = "signals"  # probe whose error ranks the choices
@@ -22,12 +22,11 @@ LINES = "lines"  # probe whose levels are a further criterion of the Pareto fron
 
 @dataclass(frozen=True, kw_only=True)
 class Priced:
-    """A choice with its cost and its largest errors against the reference by probe, relative or in dB."""
+    """A choice with its cost and its largest errors against the reference by probe: of levels in dB, else relative."""
 
     choice: Choice
     measured: Measured
     errors: Mapping[str, float]
-    decibels: Mapping[str, float]
     dominated: bool
 
     @property
@@ -106,18 +105,17 @@ def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
     measured, failed = _measured(scenes, work)
     refused |= failed
     reference = measured[first]
-    prices = {name: differences(one, reference) for name, one in measured.items()}
+    errors = {name: differences(one, reference) for name, one in measured.items()}
     places = {
-        name: (one.total_seconds, prices[name][0].get(JUDGE, math.nan), prices[name][1].get(LINES, 0.0))
+        name: (one.total_seconds, errors[name].get(JUDGE, math.nan), errors[name].get(LINES, 0.0))
         for name, one in measured.items()
     }
     priced = tuple(
         Priced(
             choice=found[name],
             measured=one,
-            errors=prices[name][0],
-            decibels=prices[name][1],
-            dominated=_beaten(places[name], (place for other, place in places.items() if other != name)),
+            errors=errors[name],
+            dominated=_beaten(places[name], places.values()),
         )
         for name, one in measured.items()
     )
@@ -159,30 +157,20 @@ def _measured(scenes: dict[str, LoadedScene], work: Work) -> tuple[dict[str, Mea
         return measured, failed
 
 
-def differences(one: Measured, reference: Measured) -> tuple[dict[str, float], dict[str, float]]:
-    """Largest relative difference, and largest difference of levels (dB), by probe, over the common values."""
-    known = {value.name: value for value in one.values}
+def differences(one: Measured, reference: Measured) -> dict[str, float]:
+    """Largest difference over the common values by probe: of levels in dB, of all others relative to the reference."""
+    known = {value.name: value.value for value in one.values}
     errors: dict[str, float] = {}
-    decibels: dict[str, float] = {}
     for probe, values in reference.by_probe.items():
         for value in values:
-            other = known.get(value.name)
-            if other is None or not value.firm:
-                continue
-            table, size = _difference(value, other)
-            place = decibels if table == DECIBEL else errors
-            place[probe] = max(place.get(probe, 0.0), size)
-    return errors, decibels
+            if value.firm and value.name in known:
+                scale = 1.0 if value.unit == DECIBEL else abs(value.value) or 1.0
+                errors[probe] = max(errors.get(probe, 0.0), abs(known[value.name] - value.value) / scale)
+    return errors
 
 
-def _difference(reference: Value, other: Value) -> tuple[str, float]:
-    if reference.unit == DECIBEL:
-        return DECIBEL, abs(other.value - reference.value)
-    return "", abs(other.value - reference.value) / (abs(reference.value) or 1.0)
-
-
-def _beaten(place: tuple[float, ...], others: Iterable[tuple[float, ...]]) -> bool:
+def _beaten(place: tuple[float, ...], places: Iterable[tuple[float, ...]]) -> bool:
     """Whether a choice is dominated: another one is no worse in all criteria and better in one, or its error is NaN."""
     if any(math.isnan(value) for value in place):
         return True
-    return any(all(o <= own for o, own in zip(other, place, strict=True)) and other != place for other in others)
+    return any(all(o <= own for o, own in zip(other, place, strict=True)) and other != place for other in places)

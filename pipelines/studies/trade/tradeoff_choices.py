@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 
 from pipelines.scene.presets import PRESETS, Settings, preset_settings
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import ElasticBase
 
 PRESET, REFERENCE, COMBINATION = "preset", "reference", "combination"
 MESHES: dict[str, Settings] = {
@@ -77,7 +76,7 @@ def _single(scene: Scene, best: Settings) -> Iterator[tuple[str, str, Settings]]
         label = "not extrapolated" if extrapolated else "extrapolated"
         yield "casing", label, {"casing.extrapolated": not extrapolated}
         yield "casing", "static", {"casing.model": "static", "casing.element_size_mm": casing.element_size_mm}
-    if isinstance(casing, ElasticBase):
+    if casing.elastic:
         yield "casing", "rigid", {"casing.model": "rigid"}
     if scene.shaft_model.model == "timoshenko":
         length = scene.shaft_model.element_length_mm

@@ -23,21 +23,24 @@ LEVELS = {"frf": "FRF dB", "lines": "lines dB"}
 
 def trade_table(found: Tradeoff) -> Grid:
     """One row for each choice: seconds by group of steps, peak memory, largest errors; the Pareto front is marked."""
-    rows = []
-    for one in found.priced:
-        seconds = one.measured.seconds
-        row: dict[str, object] = {"choice": one.choice.name, "time s": one.seconds}
-        row["laws s"] = sum(s for name, s in seconds.items() if "law_" in name)
-        row["casing s"] = sum(s for name, s in seconds.items() if "casing" in name)
-        row["motion s"] = seconds.get("simulate", 0.0)
-        row["memory MB"] = f"{one.measured.peak_bytes / 1e6:.0f}"
-        row |= {head: _percent(one.errors.get(probe)) for probe, head in COLUMNS.items()}
-        levels = {head: one.decibels.get(probe) for probe, head in LEVELS.items()}
-        row |= {head: "-" if decibels is None else f"{decibels:.2g}" for head, decibels in levels.items()}
-        row["Pareto"] = "" if one.dominated else "front"
-        rows.append(row)
     marked = frozenset(n for n, one in enumerate(found.priced) if not one.dominated)
-    return grid(f"{found.name}: cost and largest error of every choice against the reference", rows, marked)
+    title = f"{found.name}: cost and largest error of every choice against the reference"
+    return grid(title, map(_row, found.priced), marked)
+
+
+def _row(one: Priced) -> dict[str, object]:
+    seconds = one.measured.seconds
+    return {
+        "choice": one.choice.name,
+        "time s": one.seconds,
+        "laws s": sum(s for name, s in seconds.items() if "law_" in name),
+        "casing s": sum(s for name, s in seconds.items() if "casing" in name),
+        "motion s": seconds.get("simulate", 0.0),
+        "memory MB": f"{one.measured.peak_bytes / 1e6:.0f}",
+        **{head: _percent(one.errors.get(probe)) for probe, head in COLUMNS.items()},
+        **{head: f"{one.errors[probe]:.2g}" if probe in one.errors else "-" for probe, head in LEVELS.items()},
+        "Pareto": "" if one.dominated else "front",
+    }
 
 
 def _percent(error: float | None) -> str:

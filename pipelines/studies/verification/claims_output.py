@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     import xarray
 
 HOLDS, FAILS, OPEN = "holds", "does not hold", "undecided"
-FEWEST = 2  # seeds of a standard error
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,13 +27,9 @@ class Judgement:
     standard_error: float
     verdict: str
 
-    def words(self) -> str:
-        """The numbers as a cell of a table."""
-        return f"{self.mean:+.1f} ± {self.standard_error:.1f}"
-
 
 def judge(values: Sequence[float] | np.ndarray, least: float) -> Judgement:
-    """Whether the mean of one value per seed (seed,) is at least a given limit.
+    """Whether the mean of one value per seed (seed,), of two or more, is at least a given limit.
 
     The 95 % confidence interval of the mean of n values with standard deviation s is +/- t s/sqrt(n), where t is the
     97.5 % point of Student's distribution with n - 1 degrees of freedom. A claim holds if the whole interval is above
@@ -43,16 +38,10 @@ def judge(values: Sequence[float] | np.ndarray, least: float) -> Judgement:
     References
     ----------
     Student (1908), Biometrika 6(1), 1-25.
-
-    Raises
-    ------
-    ValueError : fewer than two values
     """
     from scipy.stats import t
 
     values = np.asarray(values, dtype=float)
-    if values.size < FEWEST:
-        raise ValueError(f"{values.size} values: a standard error needs at least {FEWEST}.")
     mean, error = float(values.mean()), float(values.std(ddof=1) / np.sqrt(values.size))
     reach = float(t.ppf(0.975, values.size - 1)) * error
     over = mean - least
@@ -97,21 +86,18 @@ def verdicts(evidence: ClaimEvidence) -> Verdicts:
     }
 
 
-def grids(found: Verdicts) -> list[Grid]:
+def grids(found: Verdicts) -> Iterator[Grid]:
     """One table per group of claims: a row per claim, a column per condition."""
-    out = []
     for heading, judged in found.items():
-        conditions = tuple(judged[0][1])
         rows = tuple(
             (
                 claim.words,
                 f"{claim.least:g}",
-                *(f"{one.words()} {one.verdict}" for one in by_condition.values()),
+                *(f"{one.mean:+.1f} ± {one.standard_error:.1f} {one.verdict}" for one in by_condition.values()),
             )
             for claim, by_condition in judged
         )
-        out.append(Grid(title=heading, headers=("claim", "at least, dB", *conditions), rows=rows))
-    return out
+        yield Grid(title=heading, headers=("claim", "at least, dB", *judged[0][1]), rows=rows)
 
 
 def reasons(found: Verdicts) -> dict[str, str]:

@@ -102,7 +102,7 @@ def decibel(value: float, reference: float = 1.0) -> float:
 
 
 def _line_levels(lines: LineTable, state: str, limit: float) -> Levels:
-    floors = lines.without_mesh()
+    floors = lines.of("envelope", "sideband")
     over = floors.over_floor if state == "faulty" else floors.healthy_over_floor
     levels = {"envelope": _sum(lines.where(kind="envelope"), state), "under_limit": limit - float(np.median(over))}
     for n in (1, 2):
@@ -120,5 +120,5 @@ def _average_peak(run: xarray.Dataset, settings: DiagnosisSettings, state: str, 
     angle = run.shaft_angle.sel(shaft=settings.shaft).values.astype(float)
     rotation = Rotation(angle=angle, source="recorded angle", error=0.0, absolute=True)
     signal = noisy_signal(run, settings, STREAM[state])[:, 0]
-    turns = revolutions(signal, run.time.values, rotation, 1.0, PLACES, [window])
+    turns = revolutions(signal, run.time.values, rotation, 1.0, PLACES, window)
     return decibel(float(np.ptp(turns.mean(axis=0))))

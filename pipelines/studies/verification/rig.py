@@ -7,6 +7,7 @@ friction, and only sensor 3 is recorded.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -61,11 +62,8 @@ class RigCase:
 
 def cases(seeds: int) -> Iterator[RigCase]:
     """Eight cases for each of the seeds 1, 2, ..."""
-    for seed in range(1, seeds + 1):
-        for losses in LOSSES:
-            for load in LOADS:
-                for state in STATES:
-                    yield RigCase(losses=losses, load=load, seed=seed, state=state)
+    for seed, losses, load, state in itertools.product(range(1, seeds + 1), LOSSES, LOADS, STATES):
+        yield RigCase(losses=losses, load=load, seed=seed, state=state)
 
 
 def scene_of(case: RigCase, preset: str) -> LoadedScene:
@@ -101,18 +99,17 @@ def simulated(seeds: int, preset: str, work: Work) -> ClaimEvidence:
 
     levels: dict[tuple[str, ...], Levels] = {}
     loads: dict[tuple[str, ...], Levels] = {}
-    for seed in range(1, seeds + 1):
-        for losses in LOSSES:
-            runs = {
-                (state, load): run(RigCase(losses=losses, load=load, seed=seed, state=state))
-                for state in STATES
-                for load in LOADS
-            }
-            for load, settings in settings_by_load.items():
-                pair = fault_levels(runs["faulty", load], runs["healthy", load], settings)
-                levels |= {(losses, load, str(seed), *where): found for where, found in pair.items()}
-            for stretch, found in _load_levels(runs, settings_by_load["rope"]).items():
-                loads[losses, str(seed), stretch] = found
+    for seed, losses in itertools.product(range(1, seeds + 1), LOSSES):
+        runs = {
+            (state, load): run(RigCase(losses=losses, load=load, seed=seed, state=state))
+            for state in STATES
+            for load in LOADS
+        }
+        for load, settings in settings_by_load.items():
+            pair = fault_levels(runs["faulty", load], runs["healthy", load], settings)
+            levels |= {(losses, load, str(seed), *where): found for where, found in pair.items()}
+        for stretch, found in _load_levels(runs, settings_by_load["rope"]).items():
+            loads[losses, str(seed), stretch] = found
     return ClaimEvidence(
         levels=_table(levels, ("losses", "load", "seed", "state", "window", "measure")),
         loads=_table(loads, ("losses", "seed", "stretch", "measure")),

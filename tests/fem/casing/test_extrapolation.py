@@ -180,14 +180,10 @@ def test_coarser_meshes_that_are_not_stiffer_are_refused(coarse):
 
 
 def test_the_report_lists_frequencies_with_the_root_of_the_stiffness_factor():
-    modes = SimpleNamespace(
-        unknowns=300,
-        solver="Lanczos",
-        band_limit=3000.0,
-        checkup=SimpleNamespace(frequencies=np.array([500.0]), mass=1.0, limit_names=()),
-    )
+    modes = SimpleNamespace(unknowns=300, solver="Lanczos", band_limit=3000.0)
+    checkup = SimpleNamespace(frequencies=np.array([500.0]), mass=1.0, item_names=())
     body = SimpleNamespace(model="craig-bampton", coordinate_names=(), stiffness_factor=0.81)
-    rows = {row["property"]: row["value"] for row in _casing_rows(body, modes)}
+    rows = {row["property"]: row["value"] for row in _casing_rows(body, (modes, checkup))}
     assert rows["first natural frequencies on its feet, Hz"] == "450.0"
     assert rows["casing.band_Hz, above which modes are missing"] == "2000"
 

@@ -16,7 +16,7 @@ from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.quality import checked_quality, measure
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.reduced.grounded import assembled_casing
-from fem.casing.reduced.rigid_on_mounts import rigid_body, rigid_from_mesh
+from fem.casing.reduced.rigid_on_mounts import rigid_body
 from fem.casing.uncertainty.extrapolation import limits_from, lowest_modes
 from fem.elements.facets import surface_weights
 from fem.elements.materials import CAST_IRON
@@ -122,7 +122,7 @@ def test_a_step_file_does_not_depend_on_what_was_written_before_nor_on_its_name(
 
 def test_a_rigid_body_from_the_mesh_is_the_one_from_the_dimensions(small, native):
     settings = {"density": 7200.0, "mount_stiffness": 1e8, "sensors": small.sensors}
-    exact, meshed = rigid_body(small, **settings), rigid_from_mesh(native, **settings)
+    exact, meshed = rigid_body(small, **settings), rigid_body(native, **settings)
     assert exact.row_names == meshed.row_names
     for name in ("mass", "stiffness", "rows"):
         a, b = getattr(exact, name), getattr(meshed, name)

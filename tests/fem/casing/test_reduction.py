@@ -186,11 +186,6 @@ def test_mean_motion_weighs_by_area():
     assert (rows @ field.ravel())[2] == pytest.approx(1 / 3, rel=1e-12)
 
 
-def test_a_patch_without_facets_is_refused(bar):
-    with pytest.raises(AttachmentError, match=r"patch at \(100, 20, 30\) mm has no facet"):
-        mean_motion_rows(bar.nodes, np.zeros((0, 6), int), np.array([0.1, 0.02, 0.03]))
-
-
 def test_sensor_point_is_the_nearest_of_the_surface(bar):
     facets = facets_on(bar.nodes, bar.elements, (np.abs(bar.nodes - [0.2, 0.03, 0.025]) > 0).any(axis=1))
     corners, weights, point = nearest_surface_point(bar.nodes, bar.patches[1][0], np.array([0.111, 0.017, 0.06]))

@@ -222,7 +222,10 @@ def test_netcdf_and_csv_say_the_same_and_turn_with_the_shaft(tmp_path):
         ("a,b\n1,2\n", "the columns are a, b"),
         ("tooth,flank,diameter_mm,position_mm,deviation_um\n", "no points"),
         ("tooth,flank,diameter_mm,position_mm,deviation_um\n1,left,40,0,1\n", "line 2: flank is left"),
-        ("tooth,flank,diameter_mm,position_mm,deviation_um\n1,drive,x,0,1\n", "line 2: diameter_mm is x"),
+        (
+            "tooth,flank,diameter_mm,position_mm,deviation_um\n1,drive,x,0,1\n",
+            "column diameter_mm: x is not a number",
+        ),
         ("tooth,flank,diameter_mm,position_mm,deviation_um\n1,drive,40,0,1\n1,drive,40,0,2\n", "is there twice"),
         ("tooth,flank,diameter_mm,position_mm,deviation_um\n1,drive,40,0,1\n1,drive,41,2,2\n", "2 of 4 points"),
         (

@@ -12,7 +12,7 @@ from importlib import resources
 
 import pytest
 
-from pipelines.cli.command_line import COMMANDS, parser
+from pipelines.cli.command_line import COMMANDS, help_and_example, parser
 from pipelines.cli.main import _first_time, main
 from pipelines.scene.load_scene import load_scene
 
@@ -72,7 +72,7 @@ QUICK = ("new", "check", "explain", "schema", "modes", "cache")  # seconds, and 
 @pytest.mark.parametrize("command", QUICK)
 def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command):
     """Lines in their order, whatever their spaces; "..." stands for any lines."""
-    example, *lines = importlib.import_module(f"pipelines.cli.{command}").EXAMPLE.splitlines()
+    example, *lines = help_and_example(importlib.import_module(f"pipelines.cli.{command}"))[1].splitlines()
     if command == "cache":
         gearcase(capsys, "casing", "minimal", "--quiet")
     shown = [" ".join(line.split()) for line in lines]

@@ -12,7 +12,8 @@ from serial_executor import InOrder
 import gearcase
 from benchmarks.feature_table import PAGE, feature_table_page
 from pipelines.cli.main import main
-from pipelines.datasets.feature_source import FEATURE_ROWS, FEATURES, FeatureSource, write_features
+from pipelines.datasets.feature_source import FEATURES, FeatureSource, write_features
+from pipelines.datasets.feature_tables import FEATURE_ROWS
 from pipelines.datasets.rows import read_row, row_path, write_row
 from pipelines.io.errors import InputError
 from pipelines.signals.features.average_features import meshing
@@ -20,7 +21,7 @@ from pipelines.signals.features.average_features import synchronous as features_
 from pipelines.signals.features.definitions import BY_NAME
 from pipelines.signals.features.shaft_turns import cut_turns
 from pipelines.signals.features.statistics import statistics
-from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, average
+from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, Average
 from pipelines.signals.orders.rotation import Rotation
 
 TIME = np.arange(8000) / 8000
@@ -43,7 +44,7 @@ def synchronous(signal, time, angle, teeth=None):
     """Features of the average of all turns of a shaft."""
     rotation = Rotation(angle=angle, source="stored angle", error=0.0, absolute=True)
     cut = cut_turns(signal, time, rotation, 1.0, (time[0], time[-1]))
-    averaged = average(cut.values, cut.orders, {1: teeth} if teeth else {})
+    averaged = Average(values=cut.values.mean(axis=1), orders=cut.orders, teeth=[teeth] if teeth else [])
     return features_of_average(averaged) | (meshing(averaged, teeth) if teeth else {})
 
 

@@ -1,6 +1,7 @@
 """Error bars of lines: casings that are changed in a known way change the lines as exact solutions and runs say."""
 
 import dataclasses
+import json
 import math
 
 import numpy as np
@@ -22,9 +23,9 @@ from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.diagnosis.uncertainty.bar_records import Band, LineBar, LineBars
 from pipelines.diagnosis.uncertainty.bar_words import bars_words
 from pipelines.diagnosis.uncertainty.casing_changes import CasingPath
-from pipelines.diagnosis.uncertainty.sampled_bars import line_bars
-from pipelines.diagnosis.uncertainty.uncertain import Uncertain, uncertain
+from pipelines.diagnosis.uncertainty.sampled_bars import casing_errors, line_bars
 from pipelines.engine.run_graph import Work
+from pipelines.io.json_text import json_text
 from pipelines.machine.system_assembly import assemble_machine, assemble_system
 from pipelines.scene.load_scene import load_scene
 from pipelines.signals.response import make_response
@@ -233,8 +234,7 @@ def test_bars_hold_the_lines_of_simulated_casings(diagnosed, monkeypatch):
     monkeypatch.setattr("pipelines.diagnosis.uncertainty.sampled_bars.SAMPLES", 1)
     monkeypatch.setattr("pipelines.diagnosis.uncertainty.sampled_bars.sampled_frequencies", one_draw)
     quiet = run.assign_attrs(step_error=0.0)
-    known = Uncertain(errors=errors_of(near, 0.0), damping_spread=0.3, remedy="")
-    bars = line_bars(quiet, found, system, known).bars
+    bars = line_bars(quiet, found, system, errors_of(near, 0.0), 0.3, "").bars
     other = drawn_body(body, form, one_draw(), 0)
     again = moved(assemble_system(system.machine, other, model.recorded, model.motion.band), model.motion)
     changed = diagnose(make_response(again, model.labels), run, model.diagnosis).lines
@@ -248,14 +248,14 @@ def test_bars_hold_the_lines_of_simulated_casings(diagnosed, monkeypatch):
 
 def test_without_errors_of_the_mesh_the_inputs_are_shown_alone(diagnosed):
     model, system, run, found = diagnosed
-    bars = line_bars(run, found, system, uncertain(model.casing, None, (), model.monitored.damping_spread))
+    bars = line_bars(run, found, system, casing_errors(None, ()), model.monitored.damping_spread, model.casing.remedy)
     assert bars.bars
     assert all(bar.numerical is None and bar.inputs.low < bar.inputs.high for bar in bars.bars)
     words = bars_words(bars)
     assert 'set casing.model = "craig-bampton"' in words
     assert "numerical uncertainty dB" not in words
     assert "uncertain damping dB" in words
-    assert LineBars(bars=bars.bars, notes=bars.notes).to_dict()["bars"][0]["numerical"] is None
+    assert json.loads(json_text(bars))["bars"][0]["numerical"] is None
 
 
 def test_a_trade_says_how_well_lines_are_known_before_it_compares_them():

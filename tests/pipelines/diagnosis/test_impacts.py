@@ -10,7 +10,8 @@ import pytest
 from pipelines.cli.main import main
 from pipelines.diagnosis.impacts import CLEAR
 from pipelines.io.errors import InputError
-from pipelines.runs.judged_recording import file_facts, file_words, files_grid, judge_files
+from pipelines.runs.judged_recording import judge_files
+from pipelines.runs.judged_words import file_facts, file_words, files_grid
 from pipelines.signals.features.passing import PASSING, pass_levels
 
 RATE, SECONDS, SPEED = 12000, 6.0, 29.0  # Hz, s, Hz of the shaft

@@ -372,18 +372,3 @@ def test_a_large_result_is_read_from_the_cache_and_not_held(cache):
     outcome = run_graph(Graph(steps), cache, ["s0", "s1"], processes=1)
     assert [result.value for result in outcome.results.values()] == [None, None]
     assert outcome.value("s1")["table"].max() == 1.0
-
-
-def largest(result):
-    return result["table"].max()
-
-
-def take_as_is(spec, value):
-    return {"type": type(value).__name__, "value": float(value)}
-
-
-def test_a_step_may_take_a_part_of_a_large_result(cache):
-    large = Step(name="large", kind="large", build=make_large, spec=3.0)
-    small = Step(name="small", kind="small", build=take_as_is, takes={"value": "large"}, reads={"value": largest})
-    outcome = run_graph(Graph([large, small]), cache, ["small"], processes=1)
-    assert outcome.value("small") == {"type": "float64", "value": 3.0}

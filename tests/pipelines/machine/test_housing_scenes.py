@@ -105,7 +105,6 @@ def test_every_shipped_housing_passes_the_check_up_and_keeps_its_error(name, set
     modes, check = outcome.value("casing modes")
     assert check.failures == ()
     assert modes.counted == modes.mode_set.n_fixed > 20
-    assert (check.effective_mass.sum(axis=0) <= check.movable * (1 + 1e-9)).all()
     error = outcome.value("casing error")
     assert len(error.full_frequencies) > 10
     assert abs(error.frequency_errors).max() < 1e-3

@@ -7,6 +7,7 @@ from mbd.forces.torque import Torque
 from mbd.parts.part_checks import MachineError
 from pipelines.engine.storage import digest
 from pipelines.io.errors import SceneError
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 from pipelines.steps.machine_steps import machine_steps
@@ -43,7 +44,7 @@ def test_the_motion_is_computed_anew_for_another_torque():
 )
 def test_impossible_forces_are_refused(changes, message):
     with pytest.raises(SceneError, match=message):
-        scene(**changes)
+        checked_machine(scene(**changes), "scene")
 
 
 @pytest.mark.parametrize("times", [(0.5, 0.5), (0.5, 0.2)])

@@ -18,8 +18,7 @@ from fem.contact.models.iso import Iso
 from fem.contact.teeth import tooth_terms, with_variants
 from pipelines.report.figures.damage import DRAWN, drawn_tooth
 from pipelines.report.figures.gear_frame import placed, scene_frame
-from pipelines.report.figures.picture_geometry import gear_view, twist
-from pipelines.report.figures.tooth_surfaces import gear_surface
+from pipelines.report.figures.tooth_surfaces import gear_surface, outline, twist, web
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
 LAW = Iso(slices=15).law(PAIR, "drive")
@@ -27,7 +26,7 @@ WHEEL = PAIR.wheel
 
 
 def drawn(*faults, gear="wheel"):
-    return drawn_tooth(PAIR, LAW, gear, twist(getattr(PAIR, gear)), faults)
+    return drawn_tooth(PAIR, LAW, gear, faults)
 
 
 def volume(tooth):
@@ -121,11 +120,10 @@ def test_gears_stand_on_their_shafts_and_y_runs_along_them(sense):
 
 
 def test_an_offset_web_is_drawn_where_it_is():
-    view = gear_view(gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5)))
-    assert view.wheel.web is None
-    solid = enclosed_volume(*gear_surface(view.wheel.outline, 17.5e-3, 0.0, 12e-3))
-    web = (45e-3, -5e-3, -1e-3)
-    points, quads = gear_surface(view.wheel.outline, 17.5e-3, 0.0, 12e-3, web=web)
+    assert web(WHEEL) is None
+    section = outline(WHEEL, 0.0)
+    solid = enclosed_volume(*gear_surface(section, 17.5e-3, 0.0, 12e-3))
+    points, quads = gear_surface(section, 17.5e-3, 0.0, 12e-3, web=(45e-3, -5e-3, -1e-3))
     ring = math.pi * (45e-3**2 - 17.5e-3**2)
     assert solid - enclosed_volume(points, quads) == pytest.approx(ring * 8e-3, rel=0.01)
     inner = points[np.isclose(np.hypot(*points[:, :2].T), 17.5e-3)]

@@ -13,11 +13,11 @@ from synthetic import box, gear_outline, key_points
 from benchmarks.gear_pairs import gear_pair
 from pipelines.report.figures import render, render_failures
 from pipelines.report.figures.labelled_pictures import casing_figure, gear_figure, spread
-from pipelines.report.figures.picture_geometry import casing_surface, gear_view
+from pipelines.report.figures.picture_geometry import casing_surface, shown_cycle
 from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.figures.render import render_casing, render_gears
-from pipelines.report.figures.tooth_surfaces import gear_surface, prism_surface, without_tooth
-from pipelines.report.figures.views import GearPairView, GearView, NotRendered, Picture
+from pipelines.report.figures.tooth_surfaces import gear_surface, outline, prism_surface, twist, without_tooth
+from pipelines.report.figures.views import GearPairView, NotRendered, Picture
 
 
 def area(outline):
@@ -26,33 +26,27 @@ def area(outline):
 
 
 def pair():
-    return GearPairView(
-        pinion=GearView(outline=gear_outline(20, 0.002), teeth=20, bore=0.01, twist=10.0),
-        wheel=GearView(outline=gear_outline(55, 0.002, np.pi + np.pi / 55), teeth=55, bore=0.02, twist=-3.6),
-        face_width=0.012,
-        centre_distance=0.075,
-        marked_gear="wheel",
-        marked_angle=np.pi + np.pi / 55 + 8 * np.pi / 55,
-    )
+    gears = gear_pair((20, 55), 2, 12, 12, bores_mm=(10, 20))
+    return GearPairView(pair=gears, marked=("wheel", 4), cycle=shown_cycle(gears, ("wheel", 4)))
 
 
 def test_gear_surface_encloses_area_times_width():
-    outline = gear_outline(20, 0.002)
-    bore = 0.01 * np.column_stack([np.cos(a := np.arctan2(*outline.T[::-1])), np.sin(a)])
-    points, quads = gear_surface(outline, 0.01, 0.0, 0.012)
-    exact = (area(outline) - area(bore)) * 0.012
+    section = gear_outline(20, 0.002)
+    bore = 0.01 * np.column_stack([np.cos(a := np.arctan2(*section.T[::-1])), np.sin(a)])
+    points, quads = gear_surface(section, 0.01, 0.0, 0.012)
+    exact = (area(section) - area(bore)) * 0.012
     assert enclosed_volume(points, quads) == pytest.approx(exact, rel=1e-12)
-    twisted = enclosed_volume(*gear_surface(outline, 0.01, 10.0, 0.012, layers=41))
+    twisted = enclosed_volume(*gear_surface(section, 0.01, 10.0, 0.012, layers=41))
     assert twisted == pytest.approx(exact, rel=2e-3)  # walls are facets between the layers
 
 
 def test_missing_tooth_and_the_rest_make_the_whole_gear():
-    outline = gear_outline(20, 0.002)
-    rest, tooth = without_tooth(outline, 20, 2 * np.pi * 7 / 20)
+    section = gear_outline(20, 0.002)
+    rest, tooth = without_tooth(section, 20, 2 * np.pi * 7 / 20)
     root = 0.02 - 1.25 * 0.002
     arc = root**2 / 2 * (0.84 * 2 * np.pi / 20)  # sector under the tooth, foot to foot
     fan = area(np.vstack([tooth, [[0, 0]]])) - arc
-    assert area(rest) == pytest.approx(area(outline) - fan, rel=2e-3)
+    assert area(rest) == pytest.approx(area(section) - fan, rel=2e-3)
     assert np.hypot(*tooth.T).max() == pytest.approx(0.022)
     middle = np.arctan2(*tooth.mean(axis=0)[::-1]) % (2 * np.pi)
     assert middle == pytest.approx(2 * np.pi * 7 / 20, abs=0.02)
@@ -63,24 +57,22 @@ def test_missing_tooth_and_the_rest_make_the_whole_gear():
 @pytest.mark.parametrize("missing", [("wheel", 3), ("pinion", 0)])
 def test_gears_of_the_picture_touch_at_the_pitch_point_without_overlap(missing):
     gears = gear_pair((20, 55), 2, 12, 12, bores_mm=(10, 15))
-    view = gear_view(gears, missing)
-    pinion, wheel = view.pinion.outline, view.wheel.outline + [view.centre_distance, 0.0]
+    view = GearPairView(pair=gears, marked=missing, cycle=shown_cycle(gears, missing))
+    sections = {name: outline(getattr(gears, name), view.zero_angle(name)) for name in ("pinion", "wheel")}
+    pinion, wheel = sections["pinion"], sections["wheel"] + [gears.axis_distance, 0.0]
     pitch_point = np.array([gears.working_radii[0], 0.0])
-    for outline in (pinion, wheel):
-        along = np.roll(outline, -1, axis=0) - outline
-        part = np.clip(np.einsum("ij,ij->i", pitch_point - outline, along) / np.sum(along**2, axis=1), 0, 1)
-        distance = np.linalg.norm(outline + part[:, None] * along - pitch_point, axis=1).min()
+    for section in (pinion, wheel):
+        along = np.roll(section, -1, axis=0) - section
+        part = np.clip(np.einsum("ij,ij->i", pitch_point - section, along) / np.sum(along**2, axis=1), 0, 1)
+        distance = np.linalg.norm(section + part[:, None] * along - pitch_point, axis=1).min()
         assert distance < 6e-6  # chords of the involute
     assert area(pinion) > 0
     chord = 6e-6
     assert not Path(wheel).contains_points(pinion, radius=-chord).any()
     assert not Path(pinion).contains_points(wheel, radius=-chord).any()
     # opposite hands: at the pitch point both teeth lean the same way
-    assert view.pinion.twist * gears.working_radii[0] == pytest.approx(-view.wheel.twist * gears.working_radii[1])
-    gear_teeth = 55 if missing[0] == "wheel" else 20
-    _, tooth = without_tooth(
-        view.wheel.outline if missing[0] == "wheel" else view.pinion.outline, gear_teeth, view.marked_angle
-    )
+    assert twist(gears.pinion) * gears.working_radii[0] == pytest.approx(-twist(gears.wheel) * gears.working_radii[1])
+    _, tooth = without_tooth(sections[missing[0]], getattr(gears, missing[0]).teeth, view.marked_angle)
     middle = tooth.mean(axis=0)
     assert np.arctan2(*middle[::-1]) == pytest.approx((view.marked_angle + np.pi) % (2 * np.pi) - np.pi, abs=1e-6)
 

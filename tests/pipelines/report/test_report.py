@@ -16,8 +16,8 @@ from scipy.io import loadmat
 from synthetic import MESH, WHEEL, response
 
 from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
-from pipelines.diagnosis.result_export import ExportError, export
-from pipelines.io.text_table import Grid, GridError, cell, grid
+from pipelines.diagnosis.result_export import export
+from pipelines.io.text_table import cell, grid
 from pipelines.report import page
 from pipelines.report.chart_data import extremes, largest, views
 from pipelines.report.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
@@ -235,8 +235,8 @@ def test_spectra_that_zoom_have_marks_from_the_first_harmonic_on():
         revolution_frequency=WHEEL, mesh_frequency=MESH, windows={"lifting": WINDOWS["lifting"]}, sensor="sensor_3"
     )
     _, spectrum, envelope = views(settings, (1500.0, 4500.0))
-    assert spectrum.marks[:2] == ((MESH, "fₘ"), (2 * MESH, "2 fₘ"))
-    assert envelope.marks[:2] == ((WHEEL, "fᵣ"), (2 * WHEEL, "2 fᵣ"))
+    assert spectrum["marks"][:2] == [(MESH, "fₘ"), (2 * MESH, "2 fₘ")]
+    assert envelope["marks"][:2] == [(WHEEL, "fᵣ"), (2 * WHEEL, "2 fᵣ")]
 
 
 def unpacked(trace):
@@ -319,8 +319,6 @@ def test_cells_and_grids():
     assert table.headers == ("a", "b", "c")
     assert table.numeric() == (True, False, False)
     assert "y\\|z" in table.to_markdown()
-    with pytest.raises(GridError, match="row 0 has 1 cells for 2"):
-        Grid(title="T", headers=("a", "b"), rows=(("1",),))
 
 
 def test_csv_has_a_unit_in_every_header_and_every_sample(tmp_path):
@@ -344,8 +342,3 @@ def test_mat_comes_back_with_units_and_labels(tmp_path):
     assert content["units"]["mesh_force"] == "N"
     assert content["labels"]["state"] == "missing-tooth"
     assert list(content["coordinates"]["axis"]) == ["x", "y", "z"]
-
-
-def test_unknown_format_is_refused(tmp_path):
-    with pytest.raises(ExportError, match="csv, mat"):
-        export(response(duration=0.02), tmp_path / "r.xls", "xls")

@@ -14,6 +14,7 @@ from rendering import drawn
 from time_limit import HANGING
 
 from benchmarks.gear_pairs import thick_rimmed_pair
+from fem.contact.faults.chipped_tooth import ChippedTooth
 from fem.contact.models.iso import Iso
 from fem.contact.models.solid import Solid
 from fem.contact.models.solid_stress import root_stress
@@ -23,9 +24,10 @@ from pipelines.io.user_files import writable_file
 from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.report.figures import tooth_mesh_pictures
 from pipelines.report.figures.colours import GONE
+from pipelines.report.figures.damage import drawn_tooth
 from pipelines.report.figures.gear_frame import placed, scene_frame
 from pipelines.report.figures.labelled_pictures import casing_figure, gear_figure
-from pipelines.report.figures.picture_geometry import gear_view
+from pipelines.report.figures.picture_geometry import shown_cycle
 from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.figures.render import render_gears, render_mesh, render_stress, show_mesh
 from pipelines.report.figures.tooth_mesh_frames import MeshView, mesh_frames, passage
@@ -37,7 +39,7 @@ from pipelines.report.figures.tooth_stress_pictures import (
     teeth_in_mesh,
     write_teeth,
 )
-from pipelines.report.figures.views import Picture
+from pipelines.report.figures.views import GearPairView, Picture
 from pipelines.runs.root_stress import _stress_steps, root_stresses
 from pipelines.runs.single_results import scene_graph
 from pipelines.scene.load_scene import load_scene
@@ -208,7 +210,7 @@ def blank(**places):
 
 PLACES = {
     "root": (45.0, 25.0),
-    "mesh": (50.0, 30.0),
+    "origin": (50.0, 30.0),
     "x": (60.0, 30.0),
     "y": (50.0, 20.0),
     "z": (55.0, 25.0),
@@ -227,8 +229,8 @@ def mesh_view():
     even = np.zeros(20), np.zeros(55)
     return MeshView(
         title="A pair: stage 1, 20/55 teeth",
-        gears=gear_view(pair),
-        damaged=gear_view(pair, ("wheel", 3), in_mesh=True),
+        gears=GearPairView(pair=pair),
+        damaged=GearPairView(pair=pair, marked=("wheel", 3)),
         marked="missing tooth 3 of the wheel",
         model=law.model,
         force=LOAD,
@@ -243,8 +245,8 @@ def mesh_view():
 def stress_view(pair, healthy, faulty):
     return StressView(
         title="A pair: stage 1, 20/55 teeth",
-        gears=gear_view(pair),
-        damaged=gear_view(pair, ("wheel", 3), in_mesh=True),
+        gears=GearPairView(pair=pair),
+        damaged=GearPairView(pair=pair, marked=("wheel", 3)),
         marked="missing tooth 3 of the wheel",
         note="",
         model="model solid, refinement 0.6, 5 slices along the face",
@@ -294,8 +296,10 @@ def saturated(image):
 
 @pytest.mark.slow
 def test_a_tooth_that_is_damaged_but_there_is_drawn_solid():
-    view = gear_view(thick_rimmed_pair(12.0), ("wheel", 3), missing=False)
-    there, gone = (drawn(render_gears, replace(view, missing=missing), (400, 320)) for missing in (False, True))
+    pair, marked = thick_rimmed_pair(12.0), ("wheel", 3)
+    view = GearPairView(pair=pair, marked=marked, cycle=shown_cycle(pair, marked))
+    tooth = drawn_tooth(pair, None, "wheel", [ChippedTooth(depth=2e-3, extent=6e-3, end="-y")])
+    there, gone = (drawn(render_gears, replace(view, tooth=one), (400, 320)) for one in (tooth, None))
     assert min(reddish(there.image), reddish(gone.image)) > 20
     assert saturated(there.image) > 1.2 * saturated(gone.image)
     curve = StiffnessPlot(title="Stage 1", cycle=np.array([0.0, 1.0]), healthy=np.array([2e8, 2e8]))
@@ -345,7 +349,7 @@ def test_the_stress_picture_is_coloured(solved):
     if faulty is None:
         pytest.skip("drawn for the right hand")
     state = teeth_in_mesh(pair, faulty)
-    gears = gear_view(pair, ("wheel", 3), in_mesh=True)
+    gears = GearPairView(pair=pair, marked=("wheel", 3))
     picture = drawn(render_stress, gears, 3.0, state, float(state.von_mises.max()), state.points[0], (400, 250))
     image = picture.image.astype(int)
     assert (image < 250).any(axis=2).mean() > 0.3

@@ -110,5 +110,5 @@ def test_every_model_runs_with_its_control(chosen, tmp_path, monkeypatch):
     if scene.scene.sensors and diagnosed:  # without a casing there is none to look at
         lines = LineTable.load(finished.folder / "diagnosis.nc")
         assert ("bearing" in lines.kind) == (scene.scene.bearings.model == "hertz")
-        assert len(lines.without_mesh())
+        assert len(lines.of("envelope", "sideband"))
         assert finished.words

@@ -10,7 +10,8 @@ import xarray
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.report.figures import render
-from pipelines.runs.judged_recording import RecordedFile, other_speeds, recording_path
+from pipelines.runs.judged_recording import other_speeds
+from pipelines.runs.recorded_file import RecordedFile, recording_path
 from pipelines.runs.run import run_scene
 from pipelines.scene.load_scene import load_scene
 from pipelines.signals.motion_warnings import chance_of_run

@@ -15,7 +15,7 @@ from pipelines.signals.features.envelope_features import (
 )
 from pipelines.signals.features.passing import PASSING, SIDEBANDS, pass_levels
 from pipelines.signals.features.statistics import kurtosis
-from pipelines.signals.features.synchronous_averages import average, average_power
+from pipelines.signals.features.synchronous_averages import Average, average_power
 from pipelines.signals.features.unresolved_passes import unresolved_passes
 from pipelines.signals.orders.kinematics import Bearing, Kinematics, Shaft
 from pipelines.signals.orders.whitening import banded
@@ -29,7 +29,7 @@ def repeated(turn):
 
 
 def features(turn, teeth=20):
-    averaged = average(repeated(turn), 400, {1: teeth})
+    averaged = Average(values=repeated(turn).mean(axis=1), orders=400, teeth=[teeth])
     return {name: float(value[0]) for name, value in (synchronous(averaged) | meshing(averaged, teeth)).items()}
 
 

@@ -41,18 +41,16 @@ def test_nine_wheel_revolutions_of_the_20_55_stage_are_16500_samples(segment):
     assert segment.start + segment.duration == pytest.approx(2.5, abs=1e-12)
 
 
-@pytest.mark.parametrize("window", ["hann", "boxcar"])
-def test_modulated_tone_gives_carrier_and_sidebands(time, segment, window):
-    spectrum = amplitude_spectrum(cut(modulated(time), RATE, segment), segment, window)
+def test_modulated_tone_gives_carrier_and_sidebands(time, segment):
+    spectrum = amplitude_spectrum(cut(modulated(time), RATE, segment), segment)
     lines = spectrum.lines([MESH - WHEEL, MESH, MESH + WHEEL, MESH + 2 * WHEEL])
     np.testing.assert_allclose(lines, [0.3, 2.0, 0.3, 0.0], atol=1e-9)
     assert spectrum.frequency[np.argmax(spectrum.amplitude)] == pytest.approx(300.0, rel=1e-12)
 
 
-@pytest.mark.parametrize("window", ["hann", "boxcar"])
-def test_envelope_gives_modulation_frequency_and_depth(time, segment, window):
+def test_envelope_gives_modulation_frequency_and_depth(time, segment):
     piece = cut(modulated(time), RATE, segment)
-    spectrum = envelope_spectrum(piece, segment, (150, 450), window)
+    spectrum = envelope_spectrum(piece, segment, (150, 450))
     assert spectrum.frequency[np.argmax(spectrum.amplitude)] == pytest.approx(WHEEL, rel=1e-12)
     depth = spectrum.lines([WHEEL, 2 * WHEEL]) / envelope(piece, segment, (150, 450)).mean()
     np.testing.assert_allclose(depth, [0.3, 0.0], atol=1e-9)
@@ -81,9 +79,7 @@ def test_shaft_whose_revolutions_are_no_whole_samples_is_resampled(time):
     assert segment.revolutions == 10
     assert segment.duration * wheel == pytest.approx(10, rel=1e-12)
     signal = modulated(time, carrier=550 * wheel, modulation=wheel)  # 2988 Hz
-    lines = amplitude_spectrum(cut(signal, RATE, segment), segment, "boxcar").lines(
-        wheel * np.array([549, 550, 551, 553])
-    )
+    lines = amplitude_spectrum(cut(signal, RATE, segment), segment).lines(wheel * np.array([549, 550, 551, 553]))
     np.testing.assert_allclose(lines, [0.3, 2.0, 0.3, 0.0], atol=1e-5)
 
 
@@ -109,8 +105,8 @@ def test_noise_is_seeded_and_has_the_stated_rms():
 def test_what_does_not_fit_is_refused(time, segment):
     with pytest.raises(SpectrumError, match="longer window"):
         whole_revolutions((0.5, 0.6), RATE, WHEEL)
-    with pytest.raises(SpectrumError, match="not on a bin"):
-        amplitude_spectrum(cut(time, RATE, segment), segment).lines([15.0])
+    with pytest.raises(SpectrumError, match="beyond the last bin"):
+        amplitude_spectrum(cut(time, RATE, segment), segment).lines([RATE])
     with pytest.raises(SpectrumError, match="half the sampling rate"):
         envelope(cut(time, RATE, segment), segment, (4000, 6000))
     with pytest.raises(SpectrumError, match="beyond the record"):

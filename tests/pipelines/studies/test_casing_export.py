@@ -151,7 +151,7 @@ def test_modes_that_are_not_shown_and_modes_without_a_band_are_explained(elastic
     _, modes, body = elastic
     fields = {"mesh": None, "checkup": None, "limits": None, "error": None, "records": (), "band": 1e3}
     casing = Casing(body=body, modes=modes, natural=natural_modes(modes), **fields)
-    casing = replace(casing, checkup=SimpleNamespace(report=lambda _: ""))
+    casing = replace(casing, checkup=SimpleNamespace(report=lambda: ""))
     total = len(casing.frequencies)
     assert f"Modes 1 to 2 of {total}. To print more, set --modes." in list(_texts(casing, 2))
     assert not [text for text in _texts(casing, total) if text.startswith("Modes 1")]

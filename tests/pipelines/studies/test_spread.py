@@ -12,7 +12,7 @@ from serial_executor import InOrder
 from pipelines.cli.main import main
 from pipelines.datasets.campaign_scenes import sampled_scenes
 from pipelines.datasets.estimate import estimate
-from pipelines.datasets.feature_source import dataset_rows
+from pipelines.datasets.feature_tables import dataset_rows
 from pipelines.datasets.folder import begin, identity_facts
 from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.scene.load_scene import changed, load_scene

@@ -58,7 +58,7 @@ def test_a_machine_without_load_is_refused_before_computing():
 def test_the_reference_has_no_error_and_stands_on_the_front(found):
     first = found.priced[0]
     assert (first.choice.name, first.error, first.dominated) == ("preset: reference", 0.0, False)
-    assert all(error == 0.0 for error in (*first.errors.values(), *first.decibels.values()))
+    assert all(error == 0.0 for error in first.errors.values())
 
 
 @pytest.mark.slow
@@ -94,11 +94,10 @@ def test_a_choice_with_truer_lines_of_the_fault_is_not_beaten_by_a_truer_rms():
 def test_values_are_compared_by_ratio_and_levels_by_difference():
     def measured(force, level):
         values = Value(name="force", unit="N", value=force), Value(name="level", unit=DECIBEL, value=level)
-        return Measured(by_probe={"probe": values}, seconds={}, peak_bytes=0)
+        return Measured(by_probe={value.name: (value,) for value in values}, seconds={}, peak_bytes=0)
 
-    errors, decibels = differences(measured(210.0, -37.0), measured(200.0, -40.0))
-    assert errors == {"probe": pytest.approx(0.05)}
-    assert decibels == {"probe": pytest.approx(3.0)}
+    errors = differences(measured(210.0, -37.0), measured(200.0, -40.0))
+    assert errors == {"force": pytest.approx(0.05), "level": pytest.approx(3.0)}
 
 
 @pytest.mark.slow
