@@ -174,7 +174,7 @@ def _spectra(
     panels, lines = _panels(figure, names, orders[shown], rows[:, shown], span, labels, marks)
     high = 2.0 * float(rows[:, shown].max())
     low = max(0.5 * float(rows[:, shown].min()), high / 10**DECADES)
-    share = 1.0 - min(_NAME * lines, 0.6)  # of the height for the curves, below the names
+    share = 1.0 - _NAME * lines  # of the height for the curves, below the names
     panels[0].set_yscale("log")
     panels[0].set_ylim(low, low * (high / low) ** (1.0 / share))
     for axes in panels:
