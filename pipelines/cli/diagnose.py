@@ -85,7 +85,7 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.shown_text import shown
     from pipelines.io.text_table import WIDTH
     from pipelines.io.user_files import writable_folder
-    from pipelines.runs.judged_recording import courses_of, judge_files, order_of
+    from pipelines.runs.judged_recording import courses_of, judge_files, notes_of, order_of
     from pipelines.runs.judged_words import file_facts, file_words, files_grid
     from pipelines.runs.recorded_file import recorded_parts
 
@@ -112,14 +112,7 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
         table = files_grid(names, judged, refused).to_text(WIDTH)
         yield f"{table}\n{order}\n\n{trend_grid(courses).to_text(WIDTH)}\n"
         yield from (f"Refused: {reason}" for reason in refused.values())
-        notes: dict[str, list[str]] = {}  # numbers of recordings
-        for number, one in enumerate(judged, 1):
-            left = one.recorded.table.left_out if one.verdict is None else one.verdict.left_out
-            warnings = (f"Warning: {warning}" for warning in one.recorded.warnings)
-            for note in (*warnings, *([f"Left out: {'; '.join(left)}."] if left else [])):
-                notes.setdefault(note, []).append(str(number))
-        for note, own in notes.items():
-            yield note if len(own) == len(judged) else f"{note} (recordings {', '.join(own)})"
+        yield from notes_of(judged)
     else:
         yield file_words(judged[0])
     if target is None:

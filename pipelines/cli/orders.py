@@ -103,12 +103,13 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     except OrderError as error:
         raise InputError(f"{shown(source)}: {error}") from error
     title = f"{read.title}: {read.place}"
-    figures = {
-        "orders": waterfall_figure(found, title, read.units, top=2.2 * max(inside, default=found.line[-1] / 2.2)),
-    }
+    figures = {}
     if np.ptp(found.speed) <= STEADY * found.speed.max():
-        words += f"\nThe speed is constant within {100 * STEADY:g} %: there is no picture of amplitudes over speed."
+        words += f"\nThe speed is constant within {100 * STEADY:g} %: there are no pictures over the speed. "
+        words += "`gearcase diagnose` with --out plots order spectra at constant speed."
     else:
+        top = 2.2 * max(inside, default=found.line[-1] / 2.2)
+        figures["orders"] = waterfall_figure(found, title, read.units, top=top)
         figures["order-cuts"] = cuts_figure(found, inside, title, read.units)
     if read.loaded is not None and options.campbell:
         flat = frequency_waterfall(*parts, shaft=read.shaft)

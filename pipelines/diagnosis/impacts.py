@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from pipelines.signals.features.feature_table import WHOLE
+from pipelines.signals.features.feature_table import WHOLE, left_out_words
 from pipelines.signals.features.passing import PASSING, SIDEBANDS
 
 if TYPE_CHECKING:
@@ -52,16 +52,17 @@ def impacts(table: FeatureTable) -> tuple[Impacts, ...]:
 
 
 def impact_words(table: FeatureTable) -> str:
-    """Sentences on the damage that impacts show, and on the components that healthy recordings would add."""
+    """Sentences on the damage that impacts show, components that healthy recordings would add, and those left out."""
     found = impacts(table)
     others = [name for name, feature in table.lines if name != WHOLE and feature not in (PASSING, SIDEBANDS)]
     named = ", ".join(dict.fromkeys(others))
     more = f" Give healthy recordings to diagnose {named}: --baseline FILE FILE ..." if others else ""
+    more += f" {left_out_words(table.left_out)}".rstrip()
     if not found:
         return f"There is no verdict without healthy recordings to compare with.{more}"
     first = found[0]
     named = " or ".join(one.component for one in found if one.level == first.level)  # equal bearings on one shaft
-    answer = "Damaged:" if first.clear else "No damage of a bearing is clear. The highest level:"
+    answer = "Damaged:" if first.clear else "No damage of an examined part of a bearing is clear. The highest level:"
     return (
         f"{answer} {named}, impacts at its pass order {first.level:.0f} dB over the envelope spectrum around "
         f"it at {first.sensor} {first.axis} (limit {CLEAR:g} dB).{more}"

@@ -149,7 +149,7 @@ def _findings(
             evidence=evidence,
             damaged=None if bound is None else strength[0] or evidence.deviation >= bound,
             repeating=bool(repeating[own[0]]),
-            alike=alike(component, kinematics),
+            alike=alike(component, kinematics, table.left_out),
             tooth=table.tooth_of(component) if evidence.increase > 0.0 else None,
         )
         if component not in best or strength > best[component][0]:
@@ -175,18 +175,21 @@ def _changes(found: GroupEvidence, table: FeatureTable) -> tuple[Change, ...]:
     )
 
 
-def alike(name: str, kinematics: Kinematics) -> tuple[str, ...]:
+def alike(name: str, kinematics: Kinematics, left_out: Sequence[str] = ()) -> tuple[str, ...]:
     """Names of the other shafts, gears or bearing parts with the orders of the named one, or integer multiples of them.
 
     A fault on the faster of two shafts whose speeds are equal or have an integer ratio also repeats once per revolution
     of the slower one. Gears on one shaft share all of its orders. Pass orders of bearings are not integers. Parts of
-    two bearings are therefore alike only if their shaft and their order are the same.
+    two bearings are therefore alike only if their shaft and their order are the same. A part that is `left_out`,
+    because its pass order is not separated from a multiple of a shaft, is like this shaft and its gears.
     """
     shafts = {shaft.name: shaft.ratio for shaft in kinematics.shafts}
     gears = {gear.name: shafts[gear.shaft] for gear in kinematics.gears}
     for places in (shafts, gears):
         if name in places:
-            return tuple(other for other, ratio in places.items() if other != name and _nested(places[name], ratio))
+            others = [other for other, ratio in places.items() if other != name and _nested(places[name], ratio)]
+            multiple = f" x {kinematics.shaft_of(name)} ("
+            return (*others, *(one.partition(": ")[0] for one in left_out if multiple in one))
     passing = {
         strike: (bearing.shaft, order) for bearing in kinematics.bearings for strike, order in bearing.strikes.items()
     }

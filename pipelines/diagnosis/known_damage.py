@@ -75,7 +75,14 @@ def any_found(cases: Sequence[Case], damages: Sequence[Damage]) -> bool | None:
         return any(case.verdict.damaged for case in cases) or (
             None if any(case.verdict.not_examined for case in cases) else False
         )
-    return any(found(case, damage, damages) is not None for case in cases for damage in damages)
+    return any(found(case, damage, damages) is not None for case in cases for damage in damages) or (
+        None if any(_without_findings(case, damage) for case in cases for damage in damages) else False
+    )
+
+
+def _without_findings(case: Case, damage: Damage) -> bool:
+    """Whether a damaged component is not examined."""
+    return all(one.component != damage.component for one in case.verdict.findings)
 
 
 def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
@@ -87,9 +94,10 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
     answers, evidence = [], []
     for damage in damages:
         findings = [(case, one) for case in cases if (one := found(case, damage, damages)) is not None]
-        answer = f"found in {len(findings)} of {len(cases)} cases"
+        unseen = [case for case in cases if _without_findings(case, damage)]
+        answer = f"found in {len(findings)} of {len(cases)} cases{f', not examined in {len(unseen)}' if unseen else ''}"
         if len(cases) == 1:
-            answer = "found" if findings else "not found"
+            answer = "found" if findings else "not examined" if unseen else "not found"
         answers.append(f"{damage.words[0].upper()}{damage.words[1:]}: {answer}.")
         if findings:
             case, one = min(findings, key=lambda pair: pair[1].evidence.ratio)
@@ -97,6 +105,14 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
             evidence.append(f"{weakest} ({case.name}): {verdict_words.standing(one.evidence)}.")
             evidence += [f"{other} has the same evidence." for other in _tied(case.verdict, one)]
             evidence += _tooth_words(damage, [one.tooth for _, one in findings])
+        elif unseen:
+            verdict = unseen[0].verdict
+            evidence += [
+                f"{one} ({unseen[0].name})." for one in verdict.left_out if damage.component in one.partition(": ")[0]
+            ]
+            evidence.append(f"Strongest evidence of the other components: {_nearest(cases, damage)}.")
+            shared = f"{damage.component} has the same orders as the {verdict.first.component} and can be the cause."
+            evidence += [shared] if damage.component in verdict.first.alike else []
         elif any(case.verdict.damaged for case in cases):
             evidence.append(f"Another component has the strongest evidence: {_nearest(cases, damage)}.")
         else:
@@ -136,7 +152,7 @@ def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
         ranked = {one.component: (place, one) for place, one in enumerate(case.verdict.findings, 1)}
         known = {"load": LOADS.get(case.load, case.load), "deviations": case.deviations, "window": case.window}
         for damage in damages:
-            row: dict[str, Any] = {**known, "damaged": damage.component, "answer": "no features"}
+            row: dict[str, Any] = {**known, "damaged": damage.component, "answer": "not examined"}
             if damage.component in ranked:
                 place, one = ranked[damage.component]
                 row |= {

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fem.storage import shown_html
+from pipelines.signals.orders.kinematics import PARTS
 
 DIFFERENT, ALARM = 0.01, 0.001  # probabilities that a healthy machine is called different, or damaged
 
@@ -81,7 +82,8 @@ class Verdict:
     `tested` healthy recordings were diagnosed against the others; `false_differences` and `false_alarms` name those
     that were called different or damaged. `tested` is 0 if the others are too few. `healthy` counts the recordings of
     the reference without those that are `outlying`. `left_out` names shafts with too few turns or of conditional speed,
-    and the reason. `not_examined` are all gears, shafts and bearings without findings.
+    and bearing parts whose pass order is not resolved, and the reason. `not_examined` are all gears, shafts and bearing
+    parts without findings.
     """
 
     findings: tuple[Finding, ...]
@@ -106,8 +108,10 @@ class Verdict:
 
     @property
     def candidates(self) -> tuple[str, ...]:
-        """Shafts that are left out and whose damage can be the cause of the strongest evidence."""
-        return () if self.first.repeating else tuple(one.partition(":")[0] for one in self.left_out)
+        """Shafts and bearing parts that are left out and whose damage can be the cause of the strongest evidence."""
+        left_out = [one.partition(": ")[0] for one in self.left_out]
+        shafts = [] if self.first.repeating else [one for one in left_out if not one.endswith(PARTS)]
+        return (*(one for one in self.first.alike if one in left_out), *shafts)
 
     def __repr__(self) -> str:
         return f"<Verdict: {self._words()}; first {self.first.component}, {decibels(self.first.evidence.increase)} dB>"

@@ -8,6 +8,7 @@ from pipelines.diagnosis.impacts import CLEAR
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Evidence, Finding, Verdict, decibels
 from pipelines.io.text_table import Grid, grid
 from pipelines.signals.features.definitions import BY_NAME
+from pipelines.signals.features.feature_table import left_out_words
 
 STRENGTH = "evidence / limit"  # heading
 EVIDENCE = (
@@ -26,7 +27,8 @@ def headline(verdict: Verdict) -> str:
     if verdict.damaged:
         return f"Damaged: {named}."
     if verdict.different:
-        return "Different from the healthy recordings, but no single component is damaged."
+        component = "examined" if verdict.not_examined else "single"
+        return f"Different from the healthy recordings, but no {component} component is damaged."
     if verdict.not_examined:
         return f"Not examined: {', '.join(verdict.not_examined)}; no other component exceeds its limit."
     return "No damage: no component exceeds its limit."
@@ -57,12 +59,12 @@ def sentences(verdict: Verdict) -> tuple[str, ...]:
     found += compared(verdict)
     if verdict.left_out:
         cause = "Damage there can raise the evidence of other components."
-        if verdict.candidates and verdict.damaged is not False:
+        if not verdict.first.repeating and verdict.damaged is not False:
             cause = (
                 "Damage there can be the cause, since a smaller share of the vibration repeats with "
                 f"{verdict.first.component} than in some healthy recording."
             )
-        found.append(f"Left out: {'; '.join(verdict.left_out)}. {cause}")
+        found.append(f"{left_out_words(verdict.left_out)} {cause}")
     return tuple(found)
 
 

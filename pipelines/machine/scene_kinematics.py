@@ -15,6 +15,8 @@ from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 from pipelines.signals.pass_lines import PassLines
 from pipelines.signals.shaft_lines import ShaftLines
 
+STRIKES = {"outer-ring": "BPFO", "inner-ring": "BPFI", "element": "2 BSF"}  # passes of a spall by its place
+
 
 def kinematics_of(layout: TrainLayout, rolling: Sequence[RollingBearing]) -> Kinematics:
     """The kinematics of a scene, with the names of its runs, at the highest speed of the drive.

@@ -20,10 +20,12 @@ from pipelines.report.chart_data import ENVELOPE_ORDERS, streams
 from pipelines.report.first_figures import average_figure, envelope_figure
 from pipelines.scene.tables.diagnosis import Monitored
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
+from pipelines.signals.features.recording_features import envelope_band
 from pipelines.signals.features.shaft_turns import cut_turns
 from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, Average
 from pipelines.signals.orders.kinematics import Gear, Kinematics
 from pipelines.signals.orders.rotation import Rotation
+from pipelines.signals.pass_lines import HARMONICS, PassLines
 
 RANKED_AT_ONCE = 5  # components on the first screen; the others open on a click
 IN_MESH = 1.0  # pitches on either side of the pitch point, approximate range in which a tooth is in mesh
@@ -51,13 +53,18 @@ def first_screen(
     """
     verdict = cases[0].verdict if cases else None
     evidence = []
-    if settings is not None:
+    kinematics = kinematics_of(machine.layout, machine.rolling)
+    lines = None if settings is None else pass_lines(settings, kinematics, verdict)
+    if settings is not None and verdict is not None and lines is not None:
+        at = verdict.first.evidence
+        evidence.append(_pass_envelope(replace(settings, sensor=at.sensor, axis=at.axis), runs, kinematics, lines))
+    elif settings is not None:
         evidence = _average(machine, settings, runs, verdict)
-        evidence.append(_envelope(settings, diagnoses[0].band if diagnoses else None, runs))
+        evidence.append(_gear_envelope(settings, diagnoses[0].band if diagnoses else None, runs))
     return screen_parts(
         sentences=sentences(cases, damages) if cases else [_no_verdict(machine, failure)],
         found=any_found(cases, damages) if cases else None,
-        figures=_numbers(machine, settings),
+        figures=_numbers(machine, settings, lines),
         evidence=evidence,
         ranking=() if verdict is None else [_ranked(finding, finding is verdict.first) for finding in verdict.findings],
         ranking_note="" if verdict is None else _ranking_note(verdict),
@@ -130,7 +137,10 @@ def _no_verdict(machine: MachineModel, failure: str) -> str:
     return f"No verdict: {reason}"
 
 
-def _numbers(machine: MachineModel, settings: DiagnosisSettings | None) -> list[tuple[str, str]]:
+def _numbers(
+    machine: MachineModel, settings: DiagnosisSettings | None, lines: PassLines | None
+) -> list[tuple[str, str]]:
+    """Speed, and the frequencies of the bearing part with `lines` or else of the monitored gear."""
     monitored, layout = machine.monitored, machine.layout
     stage = machine.facts.stages[monitored.stage - 1]
     shaft = layout.pair_shafts[monitored.stage - 1][monitored.gear == "wheel"]
@@ -141,8 +151,11 @@ def _numbers(machine: MachineModel, settings: DiagnosisSettings | None) -> list[
     pair = layout.pairs[monitored.stage - 1]
     teeth = pair.wheel.teeth if monitored.gear == "wheel" else pair.pinion.teeth
     measured = settings is not None and not monitored.speed_is_known
+    motor = ("Speed of the motor" + (", measured" if measured else ""), f"{speed:.5g} rpm")
+    if lines is not None:
+        return [motor, (f"Pass frequency {lines.label}", f"{lines.frequency:.5g} Hz")]
     found = [
-        ("Speed of the motor" + (", measured" if measured else ""), f"{speed:.5g} rpm"),
+        motor,
         ("Mesh frequency f_m", f"{f_m:.5g} Hz"),
         (f"Revolution frequency f_r of shaft {shaft + 1}", f"{f_r:.5g} Hz"),
         ("Monitored gear", f"stage {monitored.stage} {monitored.gear}, {teeth} teeth"),
@@ -249,27 +262,71 @@ def over_teeth(
     return place[order], residual[:, order], turns.count
 
 
-def _envelope(settings: DiagnosisSettings, band: tuple[float, float] | None, runs: Sequence[xarray.Dataset]) -> str:
-    """The figure of the envelope spectrum of the first window, up to ENVELOPE_ORDERS orders of the shaft.
+def pass_lines(settings: DiagnosisSettings, kinematics: Kinematics, verdict: Verdict | None) -> PassLines | None:
+    """Lines of the bearing part that ranks first, with sidebands of the shaft or cage; None if it is not damaged."""
+    part = verdict.first.component if verdict is not None and verdict.damaged else ""
+    for bearing in (one for one in kinematics.bearings if part in one.strikes):
+        turn = _first_frequency(settings, kinematics) * kinematics.shaft(bearing.shaft).ratio
+        inner = part.endswith("BPFI")
+        return PassLines(
+            label=part,
+            fault="",
+            frequency=turn * bearing.strikes[part],
+            spacing=turn * (1.0 if inner else bearing.sidebands.get(part, 0.0)),
+            spacing_label=bearing.shaft.replace("_", " ") if inner else "the cage",
+        )
+    return None
 
-    `band` (Hz) is that of `analyse`.
+
+def _first_frequency(settings: DiagnosisSettings, kinematics: Kinematics) -> float:
+    return settings.revolution_frequency / kinematics.shaft(settings.shaft or kinematics.shafts[0].name).ratio
+
+
+def _pass_envelope(
+    settings: DiagnosisSettings, runs: Sequence[xarray.Dataset], kinematics: Kinematics, lines: PassLines
+) -> str:
+    """The envelope spectrum in the band of the verdict, with the lines of a bearing part."""
+    band = envelope_band(kinematics, runs[0].time.values, _first_frequency(settings, kinematics))
+    marked = [(f, name if np.isclose(f, n * lines.frequency) else "") for name, n, f in lines.monitored()]
+    sides = f", with sidebands at the frequency of {lines.spacing_label}, {lines.spacing:.4f} Hz" * bool(lines.spacing)
+    caption = f"{lines.label} = {lines.frequency:.4f} Hz and its multiples{sides}. Damage of this part raises them."
+    return _envelope(settings, band, runs, marked, (HARMONICS + 0.7) * lines.frequency, caption)
+
+
+def _gear_envelope(
+    settings: DiagnosisSettings, band: tuple[float, float] | None, runs: Sequence[xarray.Dataset]
+) -> str:
+    """The envelope spectrum up to ENVELOPE_ORDERS orders of the shaft."""
+    f_r = settings.revolution_frequency
+    marked = [(k * f_r, "f_r" if k == 1 else f"{k} f_r") for k in range(1, settings.envelope_harmonics + 1)]
+    caption = f"harmonics of the revolution frequency f_r = {f_r:.4f} Hz. A damaged tooth raises them."
+    return _envelope(settings, band, runs, marked, ENVELOPE_ORDERS * f_r, caption)
+
+
+def _envelope(
+    settings: DiagnosisSettings,
+    band: tuple[float, float] | None,
+    runs: Sequence[xarray.Dataset],
+    marked: Sequence[tuple[float, str]],
+    top: float,
+    marks: str,
+) -> str:
+    """The figure of the envelope spectrum of the first window, up to `top` (Hz).
+
+    `band` (Hz) is that of `analyse`; `marked` are places (Hz) and names of lines, which `marks` explains.
     """
     window = next(iter(settings.windows))
     own, *healthy = (
         analyse(run, settings, stream=stream, band=band).envelopes[window]
         for run, stream in zip(runs[:2], streams(len(runs)), strict=False)
     )
-    f_r = settings.revolution_frequency
-    shown = own.frequency <= ENVELOPE_ORDERS * f_r
+    shown = own.frequency <= top
     figure = envelope_figure(
         own.frequency[shown],
         own.amplitude[shown],
         healthy[0].amplitude[shown] if healthy else None,
-        marked=[(k * f_r, "f_r" if k == 1 else f"{k} f_r") for k in range(1, settings.envelope_harmonics + 1)],
+        marked=marked,
         band=f"band {own.band_low:.4g} to {own.band_high:.4g} Hz",
     )
-    caption = (
-        f"Envelope spectrum of {settings.sensor} ({settings.axis}) in the window {window}. "
-        f"Marked: harmonics of the revolution frequency f_r = {f_r:.4f} Hz. A damaged tooth raises them."
-    )
+    caption = f"Envelope spectrum of {settings.sensor} ({settings.axis}) in the window {window}. Marked: {marks}"
     return page.picture(figure, caption)

@@ -158,6 +158,19 @@ def _judged(
         raise InputError(f"{where}{error}") from error
 
 
+def notes_of(found: Sequence[JudgedFile]) -> list[str]:
+    """Warnings and components that are not examined, each once with the numbers of its recordings, from 1."""
+    from pipelines.signals.features.feature_table import left_out_words
+
+    notes: dict[str, list[str]] = {}
+    for number, one in enumerate(found, 1):
+        left = one.recorded.table.left_out if one.verdict is None else one.verdict.left_out
+        warnings = [f"Warning: {warning}" for warning in one.recorded.warnings]
+        for note in filter(None, (*warnings, left_out_words(left))):
+            notes.setdefault(note, []).append(str(number))
+    return [note if len(own) == len(found) else f"{note} (recordings {', '.join(own)})" for note, own in notes.items()]
+
+
 def order_of(found: Sequence[JudgedFile]) -> tuple[list[int], str, bool]:
     """Numbers of recordings, from 0, in the order of a trend, this order in words, and whether it is that of time.
 

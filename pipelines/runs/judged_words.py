@@ -28,8 +28,6 @@ def file_words(found: JudgedFile) -> str:
         return "\n\n".join([answer, *parts, tables.rstrip(), *levels])
     parts = [impact_words(found.recorded.table), *parts]
     parts += [features_grid(found.recorded.table).to_text(), *levels]
-    if found.recorded.table.left_out:
-        parts.append(f"Left out: {'; '.join(found.recorded.table.left_out)}.")
     return "\n\n".join(parts) + "\n"
 
 

@@ -11,7 +11,7 @@ from pipelines.diagnosis.trend import LEVELS, Course, trend_grid
 from pipelines.io.user_files import write_whole
 from pipelines.report import page
 from pipelines.report.figures.trend_plots import trend_figure
-from pipelines.runs.judged_recording import JudgedFile
+from pipelines.runs.judged_recording import JudgedFile, notes_of
 from pipelines.runs.judged_words import files_grid
 
 
@@ -40,7 +40,8 @@ def write_trend_page(
         f'<a href="{number}/report.html">{number} {html.escape(name)}</a>' for number, name in enumerate(names, 1)
     )
     body = [page.heading(title, 1), page.paragraph(order), page.table(files_grid(names, judged, refused))]
-    body += [*(page.paragraph(f"Refused: {reason}") for reason in refused.values()), f"<p>{links}</p>"]
+    notes = [*(f"Refused: {reason}" for reason in refused.values()), *notes_of(judged)]
+    body += [*map(page.paragraph, notes), f"<p>{links}</p>"]
     for unit, group in groupby(courses, key=lambda one: one.unit):
         what = LEVELS.get(unit, unit.capitalize())
         own = list(group)

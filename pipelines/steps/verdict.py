@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from pipelines.machine.machine_model import Drivetrain
     from pipelines.signals.orders.kinematics import Kinematics
 
-STRIKES = {"outer-ring": "BPFO", "inner-ring": "BPFI", "element": "2 BSF"}
-
 
 def build(
     kinematics: Kinematics,
@@ -60,6 +58,7 @@ def build(
 def known_damages(machine: Drivetrain) -> tuple[Damage, ...]:
     """What the scene damages: component, tooth (None where it has none) and words."""
     from pipelines.diagnosis.known_damage import Damage
+    from pipelines.machine.scene_kinematics import STRIKES
 
     teeth = [(f"stage {fault.stage} {fault.gear}", fault.tooth) for fault in machine.faults]
     spalls = [(f"{fault.bearing} {STRIKES[fault.spall.on]}", None) for fault in machine.spalls]

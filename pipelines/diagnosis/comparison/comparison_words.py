@@ -10,6 +10,7 @@ from pipelines.diagnosis.comparison.compared_features import Features
 from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
 from pipelines.io.text_table import Grid, grid
 from pipelines.signals.features.definitions import BY_NAME
+from pipelines.signals.features.feature_table import left_out_words
 from pipelines.signals.orders.revolutions import HIGHEST
 
 LETTERS = "ABCDEFGHIJ"  # names of the recordings in tables and figures; no more recordings are compared
@@ -88,11 +89,10 @@ def remarks(recorded: Sequence[ComparedRecording], parts: Sequence[ComparedRecor
         )
     if unlike := [letter for letter, part in named[1:] if _train(part) != _train(recorded[0])]:
         lines.append(f"The machine of {', '.join(unlike)} has other gears or shafts than that of A.")
-    for words in dict.fromkeys("; ".join(table.left_out) for table in found.tables if table.left_out):
-        letters = [
-            letter for letter, table in zip(LETTERS, found.tables, strict=False) if "; ".join(table.left_out) == words
-        ]
-        lines.append(f"Left out in {', '.join(letters)}: {words}.")
+    for words in filter(None, dict.fromkeys(left_out_words(table.left_out) for table in found.tables)):
+        own = zip(LETTERS, found.tables, strict=False)
+        letters = [letter for letter, table in own if left_out_words(table.left_out) == words]
+        lines.append(f"{', '.join(letters)}: {words}")
     return lines
 
 

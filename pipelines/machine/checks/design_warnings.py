@@ -18,10 +18,12 @@ from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import Drivetrain
 from pipelines.machine.scene_bearings import placed_bearings
 from pipelines.machine.scene_casing import dimensions
+from pipelines.machine.scene_kinematics import STRIKES, kinematics_of
 from pipelines.scene.merge import leaves
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.validation_messages import other_unit
+from pipelines.signals.features.unresolved_passes import unresolved_passes
 
 LOAD_ZONE = math.pi / 2  # from the direction of a radial load, without clearance or preload
 MISTAKEN = {  # keys whose values are often in another unit
@@ -216,6 +218,16 @@ def _diagnosis(scene: Scene, machine: Drivetrain) -> Iterator[str]:
             "and "
             "diagnosis.gear to the faulty gear"
         )
+    if machine.spalls and scene.diagnosis.windows_s and machine.layout.turns:
+        longest = max(end - start for start, end in scene.diagnosis.windows_s.values())
+        kinematics, speed = (
+            kinematics_of(machine.layout, machine.rolling),
+            machine.layout.turns * abs(machine.layout.shaft_ratios[0]),
+        )
+        reasons = unresolved_passes(kinematics, speed, longest, scene.simulation.output_rate_Hz)
+        for one in machine.spalls:
+            if reason := reasons.get(f"{one.bearing} {STRIKES[one.spall.on]}"):
+                yield f"diagnosis.windows_s: the pass order of the {one.name} is not examined: {reason}"
     faulty = bool(scene.faults or shaft_faults(scene))
     if faulty and scene.control is None:
         for problem in bad_windows(scene, machine):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -21,6 +22,7 @@ SIDEBANDS = 6  # on either side of a mesh order
 ENVELOPE_ORDERS = 10.0  # least range of the envelope spectra
 _NO_WIDTH = str.maketrans("", "", "${}_")  # characters of formulas that are not shown
 _NAME = 0.09  # of the height of a panel: row of names
+_ROWS = 3  # of names; more would shrink the curves by more than a third of the height
 BEHIND = "#c9c9c9"  # the first recording, behind the others
 
 
@@ -172,7 +174,7 @@ def _spectra(
     panels, lines = _panels(figure, names, orders[shown], rows[:, shown], span, labels, marks)
     high = 2.0 * float(rows[:, shown].max())
     low = max(0.5 * float(rows[:, shown].min()), high / 10**DECADES)
-    share = 1.0 - min(_NAME * lines, 0.6)  # of the height for the curves, below the names
+    share = 1.0 - _NAME * lines  # of the height for the curves, below the names
     panels[0].set_yscale("log")
     panels[0].set_ylim(low, low * (high / low) ** (1.0 / share))
     for axes in panels:
@@ -207,19 +209,28 @@ def _panels(
 
 
 def _mark(axes: Axes, marks: Mapping[str, float], span: tuple[float, float], *, named: bool) -> int:
-    """Dashed lines; names of lines that are close are in rows below each other. Returns the number of rows."""
+    """Dashed lines; names of lines that are close are in rows below each other. Returns the number of rows.
+
+    Names without a free row are below the figure, with their places.
+    """
     letter = LETTER / WIDTH * (span[1] - span[0])
     ends: list[float] = []  # of the last name in each row
+    below = []
     for label, order in sorted(marks.items(), key=lambda one: one[1]):
         axes.axvline(order, color=MARK, lw=0.6, ls=(0, (4, 3)), zorder=0)
         if named:
             row = next((n for n, end in enumerate(ends) if end <= order), len(ends))
+            if row == _ROWS:
+                below.append(f"{label}: {order:.4g}")
+                continue
             ends[row : row + 1] = [order + letter * len(label.translate(_NO_WIDTH))]
             axes.annotate(
                 label, (order, 1.0), xycoords=("data", "axes fraction"), xytext=(2, -2 - 10 * row),
                 textcoords="offset points", ha="left", va="top", fontsize=8, color=MARK,
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
             )  # fmt: skip
+    if below:
+        axes.figure.supxlabel(textwrap.fill(f"Also marked: {', '.join(below)}", 150), fontsize=8, color=MARK)
     return len(ends)
 
 

@@ -28,7 +28,7 @@ class FeatureTable(Record):
     names the shaft of a line and the reason if its speed is conditional. `tooth` is the tooth of each `gear` that is in
     mesh when the strongest impact begins, which is significant only if the gear is damaged. `band_low` and `band_high`
     are the ends of the envelope band by `window`, `speed` is the mean speed of the first shaft. `left_out` are shafts
-    with too few turns, with the reason.
+    with too few turns and bearing parts whose pass order is not resolved, with the reason.
     """
 
     sensor: tuple[str, ...] = names("channel")
@@ -84,6 +84,15 @@ class FeatureTable(Record):
             "value": self.value.ravel(),
             "level_dB": 20.0 * level.ravel(),
         }
+
+
+def left_out_words(left_out: Sequence[str]) -> str:
+    """A sentence with the names and reasons of `left_out`, names of one reason together; "" if it is empty."""
+    names: dict[str, list[str]] = {}
+    for name, _, reason in (one.partition(": ") for one in left_out):
+        names.setdefault(reason, []).append(name)
+    words = "; ".join(f"{', '.join(own)}: {reason}" for reason, own in names.items())
+    return f"Not examined: {words}." if words else ""
 
 
 def confirmed(tables: Sequence[FeatureTable]) -> list[FeatureTable]:

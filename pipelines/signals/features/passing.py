@@ -26,18 +26,21 @@ import numpy as np
 from scipy import fft
 from scipy.ndimage import maximum_filter1d
 
+from pipelines.signals.features.unresolved_passes import (
+    FEWEST,
+    FEWEST_LINES,
+    FLOOR,
+    PASS_HARMONICS,
+    SCATTER,
+    free_lines,
+    resolved,
+)
 from pipelines.signals.orders.rotation import Rotation
 
 PASSING, SIDEBANDS = "pass_order", "pass_sidebands"  # features
-PASS_HARMONICS = 3
 SIDES = 2  # sidebands on each side
-FEWEST = 2 / 3  # share of the lines within the spectrum and not at a multiple of a shaft speed
 SLIP = 0.02  # of a pass order, to either side
-SCATTER = 0.001  # of a line, to either side, for slip that is not constant
 LEAD = 20.0  # dB, upper limit of the strongest line over the second strongest, since a single line is no comb
-FLOOR = 0.1  # of a pass order, to either side: range of the floor
-FEWEST_LINES = 8  # of the spectrum in the floor, or between multiples of a shaft speed
-_LOBE = 2.0  # half width in lines of an order with a Hann window
 
 
 def pass_levels(
@@ -50,7 +53,7 @@ def pass_levels(
     """Level (channel,) of each pass order: lines of its best comb over their floors, geometric mean over harmonics.
 
     The result has the level of each name as PASSING, and with its sidebands as SIDEBANDS. The floor is the median of
-    the spectrum around a line. Orders that are too low for the number of turns, or beyond the spectrum, are omitted.
+    the spectrum around a line. Orders that are not `resolved` are omitted, those with sidebands only as PASSING.
 
     Parameters
     ----------
@@ -64,12 +67,14 @@ def pass_levels(
     laid = envelope.reshape(channels, turns * places)
     window = np.hanning(turns * places + 1)[:-1]
     lines = np.abs(fft.rfft((laid - laid.mean(axis=-1, keepdims=True)) * window, axis=-1))
-    place, free = np.arange(lines.shape[1]), np.ones(lines.shape[1], dtype=bool)
     factor, error = (rotation.likely, rotation.error) if rotation else (1.0, 0.0)
     per_order = turns * factor
-    for step in (per_order * ratio for ratio in shafts if per_order * ratio >= FEWEST_LINES):
-        free &= np.abs(place - step * np.round(place / step)) > _LOBE + min(error, SCATTER) * place
-    found = {(name, PASSING): _level(lines, free, order * per_order) for name, order in orders.items()}
+    free = free_lines(np.arange(lines.shape[1]), [per_order * ratio for ratio in shafts], error)
+    found = {
+        (name, PASSING): _level(lines, free, order * per_order)
+        for name, order in orders.items()
+        if resolved(order, per_order, (lines.shape[1] - 1) / per_order, shafts, error)
+    }
     found |= {
         (name, SIDEBANDS): _level(lines, free, orders[name] * per_order, distance * per_order)
         for name, distance in (sidebands or {}).items()

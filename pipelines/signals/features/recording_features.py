@@ -28,10 +28,11 @@ from pipelines.signals.features.envelope_features import (
     tooth_energies,
 )
 from pipelines.signals.features.feature_table import WHOLE, FeatureTable
-from pipelines.signals.features.passing import pass_levels
+from pipelines.signals.features.passing import PASSING, pass_levels
 from pipelines.signals.features.shaft_turns import Turns, cut_turns
 from pipelines.signals.features.statistics import kurtosis, squared_magnitude, statistics
 from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, Average, average_power
+from pipelines.signals.features.unresolved_passes import unresolved_passes
 from pipelines.signals.orders.kinematics import GUARD_ORDER, Kinematics, Shaft
 from pipelines.signals.orders.revolutions import HIGHEST, within
 from pipelines.signals.orders.rotation import Rotation
@@ -91,7 +92,9 @@ def recording_features(
     teeth = {gear: tooth for marked in reversed(marks) for gear, tooth in marked.items()}  # the first window counts
     none = np.outer([0.0, 1.0, 1.0], np.ones(len(sensors)))
     retained, of_average, repeating = np.stack([power.get(line, none) for line in values], axis=-1)
-    conditional = {shaft: f"{_named(shaft, kinematics)}: {reason}" for shaft, reason in rotation.conditional.items()}
+    conditional = {
+        shaft: f"{_named(shaft, kinematics, bearings=True)}: {reason}" for shaft, reason in rotation.conditional.items()
+    }
     return FeatureTable(
         sensor=sensors,
         axis=axes,
@@ -108,7 +111,7 @@ def recording_features(
         band_low=np.array([low for low, _ in bands]),
         band_high=np.array([high for _, high in bands]),
         speed=np.array(speeds),
-        left_out=_left_out(kinematics, rotation, time, {component for component, _ in values}, given),
+        left_out=_left_out(kinematics, rotation, time, set(values), given),
     )
 
 
@@ -260,16 +263,17 @@ def _left_out(
     kinematics: Kinematics,
     rotation: Rotation,
     time: np.ndarray,
-    there: set[str],
+    there: set[tuple[str, str]],
     windows: Mapping[str, tuple[float, float]],
 ) -> tuple[str, ...]:
-    """Shafts without features and the reason: too few turns, with the window needed, or a conditional speed."""
+    """Shafts without features and bearing parts without a level, with the reason and the window that is needed."""
     start, end = max(windows.values(), key=lambda window: window[1] - window[0])
     first, last = np.searchsorted(time, start), min(int(np.searchsorted(time, end)), len(time) - 1)
     turns = abs(float(rotation.angle[last] - rotation.angle[first])) / (2.0 * math.pi)
     words = []
+    components = {component for component, _ in there}
     for shaft in kinematics.shafts:
-        if shaft.name not in there:
+        if shaft.name not in components:
             needed = (FEWEST_TURNS + 1) * (end - start) / max(turns * shaft.ratio, 1e-9)
             reason = f"{turns * shaft.ratio:.2g} turns in a window, {needed:.3g} s would be needed"
             if (uncertain := rotation.error * turns * shaft.ratio) > QUARTER:
@@ -279,10 +283,14 @@ def _left_out(
                     f"{remedy if kinematics.gears else ''}"
                 )
             words.append(f"{_named(shaft.name, kinematics)}: {rotation.conditional.get(shaft.name, reason)}")
-    return tuple(words)
+    seconds, rate = float(time[last] - time[first]), (len(time) - 1) / float(time[-1] - time[0])
+    why = unresolved_passes(kinematics, turns * rotation.likely / seconds, seconds, rate, rotation.error)
+    parts = [part for bearing in kinematics.bearings for part in bearing.strikes if (part, PASSING) not in there]
+    return (*words, *(f"{part}: {why.get(part, 'too few of its lines are in the spectrum')}" for part in parts))
 
 
-def _named(shaft: str, kinematics: Kinematics) -> str:
-    """A shaft with its gears, as text."""
-    on_it = ", ".join(gear.name for gear in kinematics.gears_on(shaft))
-    return f"{shaft} ({on_it})" if on_it else shaft
+def _named(shaft: str, kinematics: Kinematics, bearings: bool = False) -> str:
+    """A shaft with its gears, also with the parts of its `bearings`, as text."""
+    on_it = [gear.name for gear in kinematics.gears_on(shaft)]
+    on_it += [part for one in kinematics.bearings if bearings and one.shaft == shaft for part in one.strikes]
+    return f"{shaft} ({', '.join(on_it)})" if on_it else shaft

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 GUARD_ORDER = 10.0  # of the fastest shaft: lower end of the band of envelopes if no numbers of teeth are known
 
+PARTS = ("BPFO", "BPFI", "2 BSF", "FTF")  # ends of the names of bearing parts
+
 
 @dataclass(frozen=True, kw_only=True)
 class Shaft:
@@ -83,10 +85,10 @@ class Kinematics:
         return places.get(component, component)
 
     def without(self, found: Set[str]) -> tuple[str, ...]:
-        """The gears, shafts and bearings that are not among some components, of a bearing none of its parts."""
-        parts = {name: {name} for name in [gear.name for gear in self.gears] + [shaft.name for shaft in self.shafts]}
-        parts |= {bearing.name: set(bearing.strikes) for bearing in self.bearings}
-        return tuple(name for name, own in parts.items() if not own & found)
+        """The gears, shafts and bearing parts that are not among some components."""
+        parts = [part for bearing in self.bearings for part in bearing.strikes]
+        names = [*(gear.name for gear in self.gears), *(shaft.name for shaft in self.shafts), *parts]
+        return tuple(name for name in names if name not in found)
 
     @property
     def envelope_order(self) -> float:

@@ -16,7 +16,7 @@ from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.io.errors import InputError
 from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.machine.scene_kinematics import kinematics_of
-from pipelines.signals.features.feature_table import FeatureTable
+from pipelines.signals.features.feature_table import FeatureTable, left_out_words
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.steps.verdict import known_damages
 from pipelines.studies.detect.channel_detectability import DetectionChannel, channels
@@ -149,5 +149,7 @@ def _check_seen(machines: Machines) -> None:
     table = machines.baseline[0]
     damaged = list(dict.fromkeys(component for _, damage in machines.damaged for component, _ in damage))
     if not set(damaged) & set(table.component):
-        reasons = "; ".join(table.left_out) or "their orders are above half of the sampling rate"
-        raise InputError(f"{', '.join(damaged)}: no features in these runs ({reasons}). Increase simulation.end_s.")
+        left_out = [one for one in table.left_out if any(name in one.partition(": ")[0] for name in damaged)]
+        raise InputError(
+            f"{', '.join(damaged)}: no features in these runs. {left_out_words(left_out)} Increase simulation.end_s."
+        )

@@ -214,7 +214,7 @@ def test_files_of_a_folder_are_one_table_and_one_without_features_is_named(tmp_p
     )
     np.save("records/short.npy", mesh[:4000])
     assert main([*arguments[:3], "slow.toml", *arguments[4:]]) == 0
-    assert "features that some signals lack: DE BPFO pass_order (in 2 of 3). " in caplog.text
+    assert "no features of DE BPFO in 1 signals. The first: recording records/short.npy: its pass freq" in caplog.text
     assert main([*arguments[:-1], "table.txt"]) == 2
     assert main(["features", "bench.toml", "--machine", "bench.toml"]) == 2
 

@@ -18,7 +18,7 @@ from pipelines.diagnosis.verdict import ALARM, DIFFERENT
 from pipelines.diagnosis.verdict_words import answer, headline, ranking_grid, sentences
 from pipelines.signals.features.feature_table import WHOLE, _without, with_common_components
 from pipelines.signals.features.recording_features import FeatureError, recording_features
-from pipelines.signals.orders.kinematics import Gear, Shaft
+from pipelines.signals.orders.kinematics import Bearing, Gear, Shaft
 from pipelines.signals.orders.rotation import Rotation
 
 SETTINGS = FeatureSettings(kinematics=MACHINE, windows={})
@@ -345,3 +345,53 @@ def test_the_tooth_is_the_same_backwards(healthy):
     backwards = forwards.assign(shaft_angle=-forwards.shaft_angle)  # the same knocks, counted down: tooth 45 - 20
     found = [run_features(one, SETTINGS).tooth_of("stage 2 wheel") for one in (forwards, backwards)]
     assert found == [20, 25]
+
+
+BLIND = "bearing_9 BPFI"  # 17.05 Hz, twice the speed of shaft_2 is 17 Hz
+HIDDEN = dataclasses.replace(
+    MACHINE,
+    bearings=(
+        *MACHINE.bearings,
+        Bearing(
+            name="bearing_9", shaft="shaft_3", orders={"BPFO": 3.5, "BPFI": 17.05 / (20.0 * MACHINE.shafts[2].ratio)}
+        ),
+    ),
+)
+
+
+@pytest.fixture(scope="module")
+def hidden():
+    settings = FeatureSettings(kinematics=HIDDEN, windows={})
+    baseline = [table(seed, settings) for seed in range(8)]
+    return {
+        fault: judge(table(100, settings, fault=fault, tooth=5), baseline, HIDDEN) for fault in ("", "stage 1 wheel")
+    }
+
+
+def test_a_race_whose_pass_order_coincides_with_a_multiple_of_a_shaft_is_not_examined(hidden):
+    verdict = hidden[""]
+    assert verdict.not_examined == (BLIND,)
+    assert headline(verdict) == f"Not examined: {BLIND}; no other component exceeds its limit."
+    assert answer(verdict) == "incomplete"
+    words = " ".join(sentences(verdict))
+    assert f"Not examined: {BLIND}: its pass frequency (17.05 Hz) is not separated from 2 x shaft_2 (17 Hz)" in words
+    assert [row[0] for row in ranking_grid(verdict).rows if "not examined" in row] == [BLIND]
+
+
+def test_a_gear_is_not_named_alone_if_a_race_that_is_not_examined_has_its_orders(hidden):
+    verdict = hidden["stage 1 wheel"]
+    assert BLIND in verdict.first.alike
+    assert headline(verdict).endswith(f"(+- 1) or {BLIND}.")
+    other = next(one for one in verdict.findings if one.component == "stage 2 wheel")
+    assert BLIND not in other.alike
+
+
+def test_known_damage_that_is_not_examined_is_not_called_not_found(hidden):
+    damage, verdict = Damage(component=BLIND, tooth=None, words="spall"), hidden["stage 1 wheel"]
+    case = Case(load="torque", deviations="off", window="up", verdict=verdict)
+    words = " ".join(case_sentences([case], [damage]))
+    assert words.startswith(f"Spall: not examined. {BLIND}: its pass frequency ")
+    assert f"{BLIND} has the same orders as the {verdict.first.component} and can be the cause." in words
+    assert any_found([case], [damage]) is None
+    assert cases_grid([case], [damage]).rows[0][4] == "not examined"
+    assert "found in 0 of 2 cases, not examined in 2." in case_sentences([case, case], [damage])[0]

@@ -324,7 +324,8 @@ def test_the_names_of_orders_that_almost_coincide_are_all_readable():
     _mark(axes, marks, span, named=True)
     figure.draw_without_rendering()
     boxes = [text.get_window_extent() for text in axes.texts]
-    assert {text.get_text() for text in axes.texts} == set(marks)
+    assert {text.get_text() for text in axes.texts} == set(marks) - {"$f_{m1}$"}
+    assert figure.get_supxlabel() == "Also marked: $f_{m1}$: 5.6"
     assert not any(one.overlaps(other) for n, one in enumerate(boxes) for other in boxes[:n])
 
 
@@ -356,3 +357,19 @@ def test_the_cepstrum_of_an_echo_is_half_its_factor_at_its_delay():
     place = round(delay * 2.0 * found.orders[-1])
     assert cepstrum[place] == pytest.approx(factor / 2, abs=1e-3)  # ln|1 + a exp(-jwT)| = a cos wT - a^2/2 cos 2wT ...
     assert cepstrum[2 * place] == pytest.approx(-(factor**2) / 4, abs=1e-3)
+
+
+def test_names_of_many_lines_leave_two_thirds_of_a_logarithmic_axis_to_the_curves():
+    """24 bearings have 96 pass orders. Those without a free row are named below the figure."""
+    bearings = tuple(
+        Bearing(name=f"bearing_{n}", shaft="shaft_1", orders={"BPFO": 3.0 + 0.01 * n, "BPFI": 5.0 + 0.01 * n})
+        for n in range(24)
+    )
+    train = replace(KINEMATICS, bearings=bearings)
+    found = curves([compared_recording("r", recording({20: 1.0}, noise=0.01), train)], ("a", "z"), "shaft_1")
+    figure = envelopes_figure(found, ["A"], train)
+    low, high = np.log(figure.axes[0].get_ylim())
+    shown = np.log(found.envelope[:, (found.orders > 0.0) & (found.orders <= 10.0)].max())
+    assert (high - shown) / (high - low) < 1 / 3 + np.log(2.0) / (high - low)
+    named = figure.get_supxlabel() + "".join(text.get_text() for text in figure.axes[0].texts)
+    assert all(one.name in named.replace("\n", " ") for one in bearings)

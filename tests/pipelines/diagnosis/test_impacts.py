@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -88,12 +90,12 @@ def test_a_window_can_end_with_the_recording_and_not_later(tmp_path):
             next(judge_files([files[0]], *files[1:], window=window))
 
 
-def test_orders_at_constant_speed_have_no_picture_over_speed(tmp_path, monkeypatch, capsys):
+def test_orders_at_constant_speed_have_no_pictures_over_the_speed(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     judged(tmp_path, unbalanced(np.random.default_rng(1)))
     assert main(["orders", "record.npy", "--machine", "machine.toml", "--orders", "1", "--out", "seen"]) == 0
-    assert "The speed is constant within 1 %: there is no picture of amplitudes over speed." in capsys.readouterr().out
-    assert [one.name for one in (tmp_path / "seen").iterdir()] == ["orders.png"]
+    assert "The speed is constant within 1 %: there are no pictures over the speed." in capsys.readouterr().out
+    assert not list((tmp_path / "seen").iterdir())
 
 
 def test_orders_of_a_run_up_without_tachometer_name_the_file_and_ask_for_the_speed(tmp_path, monkeypatch, capsys):
@@ -169,7 +171,7 @@ def test_a_table_of_recordings_has_a_row_for_each_and_their_warnings(tmp_path, c
 def test_lines_of_the_shaft_are_no_impacts_of_a_bearing(tmp_path, seed):
     found = judged(tmp_path, unbalanced(np.random.default_rng(seed)))
     assert found.impacts[0].level < CLEAR - 5.0
-    assert file_words(found).startswith("No damage of a bearing is clear.")
+    assert file_words(found).startswith("No damage of an examined part of a bearing is clear.")
 
 
 @pytest.mark.parametrize(("uncertainty", "useful"), [("0.3", False), ("0.01", True)])
@@ -192,3 +194,22 @@ def test_a_cage_is_not_judged_without_healthy_recordings(tmp_path):
     random = np.random.default_rng(3)
     found = judged(tmp_path, unbalanced(random) + 2.0 * impacts(0.398, 0.0, random))
     assert all("FTF" not in one.component for one in found.impacts)
+
+
+def test_a_cage_that_turns_too_seldom_is_named_in_text_facts_and_pages(tmp_path, capsys):
+    judged(tmp_path, unbalanced(np.random.default_rng(1)))
+    (tmp_path / "record.npy").rename(tmp_path / "monday.npy")
+    judged(tmp_path, unbalanced(np.random.default_rng(2)))
+    files = [str(tmp_path / name) for name in ("record.npy", "monday.npy")]
+    asked = ["--machine", str(tmp_path / "machine.toml"), "--window", "0", "1"]
+    reason = r"DE FTF: its pass frequency \(11\.5\d* Hz\) has too few periods; the window has 1 s, "
+    assert main(["diagnose", files[0], *asked]) == 0
+    printed = capsys.readouterr().out
+    assert printed.startswith("No damage of an examined part of a bearing is clear.")
+    assert re.search(f"Not examined: {reason}", printed)
+    assert main(["diagnose", files[0], *asked, "--json"]) == 0
+    assert re.search(reason, capsys.readouterr().out)
+    assert main(["diagnose", *files, *asked, "--out", str(tmp_path / "seen")]) == 0
+    assert re.search(f"Not examined: {reason}", capsys.readouterr().out)
+    for page in ("report.html", "1/report.html"):
+        assert re.search(f"Not examined: {reason}", (tmp_path / "seen" / page).read_text(encoding="utf-8"))

@@ -1,5 +1,7 @@
 """The average of the first screen: a tooth that knocks appears at its own place, and what every tooth does vanishes."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import xarray
@@ -9,7 +11,7 @@ from pipelines.diagnosis.known_damage import Case
 from pipelines.diagnosis.verdict import Evidence, Finding, Verdict
 from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.scene_kinematics import kinematics_of
-from pipelines.report.first_screen import first_screen, over_teeth, shown_gear
+from pipelines.report.first_screen import first_screen, over_teeth, pass_lines, shown_gear
 from pipelines.scene.load_scene import load_scene
 from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.orders.kinematics import Gear
@@ -62,8 +64,18 @@ def finding(component, damaged):
 @pytest.mark.parametrize(("damaged", "shown"), [(True, "stage 1 pinion"), (False, "stage 1 wheel")])
 def test_the_average_is_that_of_the_gear_that_is_damaged(damaged, shown):
     machine = checked_machine(load_scene("bench").scene, "bench")
-    findings = tuple(finding(f"stage 1 {gear}", damaged) for gear in ("pinion", "wheel"))
-    verdict = Verdict(
+    verdict = verdict_of(tuple(finding(f"stage 1 {gear}", damaged) for gear in ("pinion", "wheel")), damaged)
+    text = "".join(
+        first_screen(
+            machine, None, (), (), "", [Case(load="torque", deviations="off", window="steady", verdict=verdict)]
+        )
+    )
+    assert ("begins at tooth 3" in text) == damaged
+    assert shown_gear(machine, verdict, kinematics_of(machine.layout, ())).name == shown
+
+
+def verdict_of(findings, damaged):
+    return Verdict(
         findings=findings,
         different=damaged,
         damaged=damaged,
@@ -79,10 +91,35 @@ def test_the_average_is_that_of_the_gear_that_is_damaged(damaged, shown):
         left_out=(),
         not_examined=(),
     )
-    text = "".join(
-        first_screen(
-            machine, None, (), (), "", [Case(load="torque", deviations="off", window="steady", verdict=verdict)]
-        )
+
+
+def test_the_figure_of_a_damaged_bearing_is_its_envelope_spectrum_and_names_no_gear():
+    """The lines are those of the inner ring at the channel of its evidence, with sidebands of the shaft."""
+    balls = {"bearings": {"model": "hertz", "designation": "6205"}}
+    machine = checked_machine(load_scene("minimal", balls).scene, "minimal")
+    first = dataclasses.replace(finding("bearing_1 BPFI", True), tooth=None)
+    verdict = verdict_of((first, finding("stage 1 wheel", False)), True)
+    time = np.arange(20_000) / RATE
+    shafts = [f"shaft_{number}" for number in (1, 2)]
+    speeds = 2 * np.pi * machine.layout.turns * np.array(machine.layout.shaft_ratios)
+    run = xarray.Dataset(
+        {
+            "acceleration": (("time", "sensor", "axis"), np.random.default_rng(0).standard_normal((20_000, 1, 1))),
+            "shaft_angle": (("time", "shaft"), np.outer(time, speeds)),
+        },
+        coords={"time": time, "sensor": ["a"], "axis": ["z"], "shaft": shafts},
+        attrs={"sensor_noise_m_s2": 0.0},
     )
-    assert ("begins at tooth 3" in text) == damaged
-    assert shown_gear(machine, verdict, kinematics_of(machine.layout, ())).name == shown
+    settings = dataclasses.replace(machine.diagnosis, windows={"steady": (0.2, 1.8)})
+    case = Case(load="torque", deviations="off", window="steady", verdict=verdict)
+    text = "".join(first_screen(machine, settings, (), (run,), "", [case]))
+    turn = machine.layout.turns
+    order = kinematics_of(machine.layout, machine.rolling).bearings[0].strikes["bearing_1 BPFI"]
+    assert f"bearing_1 BPFI = {order * turn:.4f} Hz and its multiples, with sidebands" in text
+    assert f"at the frequency of shaft 1, {turn:.4f} Hz" in text
+    assert "Envelope spectrum of a (z)" in text
+    assert text.count("<figure") == 1
+    assert "Monitored gear" not in text
+    assert "tooth 10" not in text
+    kinematics = kinematics_of(machine.layout, machine.rolling)
+    assert pass_lines(settings, kinematics, verdict_of((finding("stage 1 wheel", True), first), True)) is None

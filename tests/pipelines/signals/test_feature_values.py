@@ -1,5 +1,7 @@
 """Features equal the values that follow by hand from signals of known orders."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,8 @@ from pipelines.signals.features.envelope_features import (
 from pipelines.signals.features.passing import PASSING, SIDEBANDS, pass_levels
 from pipelines.signals.features.statistics import kurtosis
 from pipelines.signals.features.synchronous_averages import Average, average_power
+from pipelines.signals.features.unresolved_passes import unresolved_passes
+from pipelines.signals.orders.kinematics import Bearing, Kinematics, Shaft
 from pipelines.signals.orders.whitening import banded
 
 PLACES, TURNS = 1024, 30
@@ -143,3 +147,30 @@ def test_a_rolling_element_is_recognised_by_the_sidebands_of_the_cage():
 def test_pass_orders_need_turns_enough():
     envelope = np.random.default_rng(5).random((1, 5, PLACES))
     assert pass_levels(envelope, {"FTF": 0.4}) == {}
+
+
+def test_a_pass_order_at_a_multiple_of_a_shaft_is_omitted_up_to_the_window_that_separates_them():
+    """BPFO is 107.4 Hz, and 2 x shaft_2 107.1 Hz. Two of the multiples 1, 2, 3 must differ by a line."""
+    orders, speed, rate = {"BPFO": 3.58}, 30.0, 12_000.0
+    shafts = (Shaft(name="shaft_1", ratio=1.0), Shaft(name="shaft_2", ratio=1.785))
+    machine = Kinematics(shafts=shafts, bearings=(Bearing(name="E", shaft="shaft_1", orders=orders),))
+    (reason,) = unresolved_passes(machine, speed, 1.0, rate).values()
+    assert "(107.4 Hz) is not separated from 2 x shaft_2 (107.1 Hz); the window has 1 s, " in reason
+    needed = float(re.search(r"([\d.]+) s are enough", reason)[1])
+    assert needed == pytest.approx(1.0 / (2 * 0.3), rel=0.06)
+    random = np.random.default_rng(6)
+    for seconds, there in ((0.9 * needed, False), (1.05 * needed, True)):
+        assert (unresolved_passes(machine, speed, seconds, rate) == {}) == there
+        envelope = random.random((1, round(seconds * speed), 400))
+        assert (("BPFO", PASSING) in pass_levels(envelope, orders, (1.0, 1.785))) == there
+
+
+def test_a_pass_order_above_the_spectrum_is_named_with_this_reason():
+    machine = Kinematics(
+        shafts=(Shaft(name="shaft_1", ratio=1.0),),
+        bearings=(Bearing(name="E", shaft="shaft_1", orders={"BPFO": 3.58, "BPFI": 5.42}),),
+    )
+    assert unresolved_passes(machine, 30.0, 60.0, 600.0) == {
+        "E BPFI": "multiples of its pass frequency (162.6 Hz) exceed half of the sampling rate; "
+        "the window has 60 s, no longer window is enough"
+    }
