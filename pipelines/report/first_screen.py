@@ -311,9 +311,15 @@ def _envelope(
     top: float,
     marks: str,
 ) -> str:
-    """The figure of the envelope spectrum of the first window, up to `top` (Hz).
+    """The figure of the envelope spectrum of the first window.
 
-    `band` (Hz) is that of `analyse`; `marked` are places (Hz) and names of lines, which `marks` explains.
+    Parameters
+    ----------
+    settings, runs : signal and windows, and the runs
+    band : Hz, as of `analyse`
+    marked : place (Hz) and name of each marked line
+    top : Hz, highest frequency
+    marks : what the marked lines are, for the caption
     """
     window = next(iter(settings.windows))
     own, *healthy = (
