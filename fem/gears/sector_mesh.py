@@ -126,8 +126,12 @@ def sector_mesh(
 ) -> SectorMesh:
     """Mesh one pitch of `gear`, with a slit in the root of the loaded flank if one is given.
 
-    Element sizes are divided by `refinement`; 1: 0.05 m_n along the flank, half of that at the tip corner. `layers` are
-    the size of the first layer of the body, in m_n, and the growth of the next ones.
+    Parameters
+    ----------
+    gear : meshed gear
+    refinement : divides the element sizes; 1: 0.05 m_n along the flank, half of that at the tip corner
+    slit : crack
+    layers : size of the first layer of the body, in m_n, and growth of the next ones
     """
     size = gear.normal_module / refinement
     fillet = _Fillet.of(gear)
