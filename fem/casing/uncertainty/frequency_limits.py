@@ -132,13 +132,18 @@ class Changes:
 
 
 def frequency_limits(
-    sizes: Sequence[float], frequencies: np.ndarray, *, formal_order: float = SMOOTH_ORDER
+    sizes: Sequence[float],
+    frequencies: np.ndarray,
+    *,
+    formal_order: float = SMOOTH_ORDER,
+    walls: tuple[float, float] = (0.0, 0.0),
 ) -> FrequencyLimits:
     """Extrapolated natural frequencies and uncertainty bands of tetrahedra.
 
     Parameters
     ----------
     sizes, frequencies, formal_order : those of `Changes`
+    walls : range of the relative error that does not depend on the size
 
     Raises
     ------
@@ -154,7 +159,7 @@ def frequency_limits(
     one, both = share_at(order, logs[1]), _mixed_share(ratio, logs, formal_order)
     scatter = math.sqrt(float(np.mean(((middle - ratio * large)[known] / changes.scale[known]) ** 2)))
     apart = max(abs(both - one), share_at(EDGE_ORDER, logs[1]) - both)
-    return changes.limits(order, share=both, reach=apart + WIDTH * _gain(order, both, logs) * scatter)
+    return changes.limits(order, share=both, reach=apart + WIDTH * _gain(order, both, logs) * scatter, walls=walls)
 
 
 def share_at(order: float, log_ratio: float) -> float:

@@ -6,6 +6,9 @@ next to the walls lower the frequencies by 0.23 % (22 mm) and 0.27 % (30 mm). A 
 so the middle of `WALLS` is subtracted; cubic elements do not have it. The rest decreases with an order between `SLOW`
 and `FAST`. It is estimated from the largest size alone: elements end on the faces of feet and bosses, so that meshes of
 similar sizes scatter. The extrapolated frequency is the middle; the band extends to both ends.
+
+Quadratic tetrahedra of 1 to 3 wall thicknesses have the same error. Without this part, the extrapolated frequencies of
+two housings with walls of 9 and 10 mm are 0.5 to 2.0 % above those of cubic elements, and of a third 0.25 +- 0.39 %.
 """
 
 from __future__ import annotations
@@ -25,6 +28,7 @@ RATIOS = (1.3, 1.7)  # relative element sizes of the coarser meshes for quadrati
 SLOW = {2: 2.2, 3: 1.5}  # orders, by the degree of the element
 FAST = {2: 3.0, 3: 3.0}
 WALLS = {2: (0.0005, 0.0035), 3: (0.0, 0.0)}  # of the frequencies
+WALLS_OF_TETRAHEDRA = {1: (0.0, 0.0), 2: (0.0, 0.02), 3: (0.0, 0.0)}
 
 
 def hexahedral_limits(sizes: Sequence[float], frequencies: np.ndarray, *, degree: int) -> FrequencyLimits:
@@ -53,4 +57,4 @@ def extrapolation_of(element: str) -> Extrapolation:
     kind = SOLIDS[element]
     if kind.corners == 8:
         return partial(hexahedral_limits, degree=kind.degree)
-    return partial(frequency_limits, formal_order=kind.frequency_order)
+    return partial(frequency_limits, formal_order=kind.frequency_order, walls=WALLS_OF_TETRAHEDRA[kind.degree])

@@ -88,7 +88,7 @@ def whole_run():
 if __name__ == "__main__":
     with dask_workers(None, 1) as hands:
         print("samples", hands.executor.submit(whole_run).result())
-        address = distributed.get_client().scheduler.address
+        address = hands.executor._client.scheduler.address
         print("scheme", address.partition(":")[0])
         for other in (None, distributed.Security.temporary()):
             at = address if other else address.replace("tls:", "tcp:")
