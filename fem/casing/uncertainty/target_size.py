@@ -45,10 +45,10 @@ def target_factor(limits: FrequencyLimits, error: float, trial: LowestModes, coa
     factor = enough[0]
     unknowns = trial.unknowns * factor**-growth
     if unknowns > MOST_UNKNOWNS:
-        largest = min((trial.unknowns / MOST_UNKNOWNS) ** (1.0 / growth), 1.0)
+        largest = min((float(f) for f in _FACTORS if trial.unknowns * f**-growth <= MOST_UNKNOWNS), default=1.0)
         raise ExtrapolationError(
             f"casing.error: {100 * error:g} % would need elements of {1000 * factor * trial.element_size:.3g} mm with "
             f"about {unknowns:,.0f} unknowns (limit {MOST_UNKNOWNS:,}, about 5 GB). Set "
-            f"{100 * limits.median_band_at(largest):.2g} %, the error with that limit, or more"
+            f"{math.ceil(1e4 * limits.median_band_at(largest)) / 100:g} %, the error with that limit, or more"
         )
     return factor

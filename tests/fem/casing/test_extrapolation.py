@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from dataclasses import replace
 from types import SimpleNamespace
@@ -294,8 +295,10 @@ def test_an_error_that_no_mesh_or_no_computer_has_is_refused(hexahedra):
     with pytest.raises(ExtrapolationError, match=r"casing.error: smaller elements do not reach 0.001 %"):
         target_factor(limits, 1e-5, *hexahedra)
     many = replace(hexahedra[0], unknowns=300_000)
-    with pytest.raises(ExtrapolationError, match=r"unknowns \(limit 400,000.*Set [0-9.]+ %, the error with that limit"):
+    with pytest.raises(ExtrapolationError, match=r"unknowns \(limit 400,000.*Set [0-9.]+ %, the error") as refused:
         target_factor(limits, 0.5 * limits.median_band_at(1.0), many, hexahedra[1])
+    allowed = float(re.search(r"Set ([0-9.]+) %", str(refused.value))[1]) / 100
+    assert target_factor(limits, allowed, many, hexahedra[1]) < 1.0
 
 
 def test_an_error_asked_for_makes_a_trial_and_says_what_it_takes():
