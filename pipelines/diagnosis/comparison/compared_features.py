@@ -34,13 +34,8 @@ class Features:
 
     @property
     def difference(self) -> np.ndarray:
-        """Levels (recording, line) over those of the first recording, dB.
-
-        Weak orders of a shaft have little weight, as in a verdict.
-        """
-        rms = self.level[0, self.lines.index((WHOLE, "rms"))]
-        level = counted(self.level, [feature for _, feature in self.lines], rms)
-        return level - level[0]
+        """Levels (recording, line) over those of the first recording, dB."""
+        return self.level - self.level[0]
 
     @property
     def rms(self) -> np.ndarray:
@@ -71,8 +66,13 @@ def _table(part: ComparedRecording) -> FeatureTable:
 
 
 def most_different_shaft(found: Features, kinematics: Kinematics, among: Sequence[str]) -> str:
-    """The shaft whose features, with those of its gears and bearings, have the largest mean difference."""
-    size = np.abs(found.difference[1:])
+    """The shaft whose features, with those of its gears and bearings, have the largest mean difference.
+
+    Weak orders of a shaft have little weight, as in a verdict.
+    """
+    rms = found.level[0, found.lines.index((WHOLE, "rms"))]
+    level = counted(found.level, [feature for _, feature in found.lines], rms)
+    size = np.abs(level[1:] - level[0])
 
     def mean(name: str) -> float:
         values = size[:, [kinematics.shaft_of(component) == name for component, _ in found.lines]]

@@ -52,7 +52,9 @@ def features_grid(found: Features) -> Grid:
             found.lines, found.value.T, found.difference.T, strict=True
         )
     ]
-    return grid("Features in these windows, mean over the common channels; a channel is one axis of a sensor", rows)
+    return grid(
+        "Features in these windows, geometric mean over the common channels; a channel is one axis of a sensor", rows
+    )
 
 
 def features_csv(found: Features) -> str:
