@@ -287,7 +287,10 @@ def _pass_envelope(
 ) -> str:
     """The envelope spectrum in the band of the verdict, with the lines of a bearing part."""
     band = envelope_band(kinematics, runs[0].time.values, _first_frequency(settings, kinematics))
-    marked = [(f, name if np.isclose(f, n * lines.frequency) else "") for name, n, f in lines.monitored()]
+    bearing = f"{lines.label.partition(' ')[0]} "
+    marked = [
+        (f, name.replace(bearing, "") if np.isclose(f, n * lines.frequency) else "") for name, n, f in lines.monitored()
+    ]
     sides = f", with sidebands at the frequency of {lines.spacing_label}, {lines.spacing:.4f} Hz" * bool(lines.spacing)
     caption = f"{lines.label} = {lines.frequency:.4f} Hz and its multiples{sides}. Damage of this part raises them."
     return _envelope(settings, band, runs, marked, (HARMONICS + 0.7) * lines.frequency, caption)

@@ -32,6 +32,7 @@ from pipelines.signals.features.unresolved_passes import (
     FLOOR,
     PASS_HARMONICS,
     SCATTER,
+    crowded,
     free_lines,
     resolved,
 )
@@ -49,6 +50,7 @@ def pass_levels(
     shafts: Sequence[float] = (1.0,),
     rotation: Rotation | None = None,
     sidebands: Mapping[str, float] | None = None,
+    repeats: Sequence[float] = (),
 ) -> dict[tuple[str, str], np.ndarray]:
     """Level (channel,) of each pass order: lines of its best comb over their floors, geometric mean over harmonics.
 
@@ -62,13 +64,16 @@ def pass_levels(
     shafts : turns of all shafts per turn of this one
     rotation : with the uncertainty of the speed; exact if None
     sidebands : name -> their distance, in cycles per turn
+    repeats : orders at which the same teeth meet again, per turn
     """
     channels, turns, places = envelope.shape
     laid = envelope.reshape(channels, turns * places)
     window = np.hanning(turns * places + 1)[:-1]
     lines = np.abs(fft.rfft((laid - laid.mean(axis=-1, keepdims=True)) * window, axis=-1))
     factor, error = (rotation.likely, rotation.error) if rotation else (1.0, 0.0)
-    per_order = turns * factor
+    per_order, shafts = turns * factor, [*shafts, *repeats]
+    if crowded(repeats, per_order):
+        return {}
     free = free_lines(np.arange(lines.shape[1]), [per_order * ratio for ratio in shafts], error)
     found = {
         (name, PASSING): _level(lines, free, order * per_order)

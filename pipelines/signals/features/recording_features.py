@@ -248,7 +248,8 @@ def _shaft_lines(
     power = dict.fromkeys([line for line in lines if line[1] not in OF_SHAFT], repeating)
     for bearing in kinematics.bearings:
         if bearing.shaft == shaft.name:
-            lines |= pass_levels(squares[1], bearing.strikes, ratios, rotation, bearing.sidebands)
+            repeats = [order / shaft.ratio for order in kinematics.tooth_repeats().values()]
+            lines |= pass_levels(squares[1], bearing.strikes, ratios, rotation, bearing.sidebands, repeats)
     return lines, power, marks
 
 

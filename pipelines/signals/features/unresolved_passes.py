@@ -16,6 +16,7 @@ FLOOR = 0.1  # of a pass order, to either side: range of the floor
 FEWEST_LINES = 8  # of the spectrum in the floor, or between multiples of a shaft speed
 BEYOND, SHORT = "beyond", "short"  # obstacles: the end of the spectrum, too few lines in the floor
 _LOBE = 2.0  # half width in lines of an order with a Hann window
+COMB = 4.0  # lines: multiples that are closer do not show as single lines
 _MANY = 5  # times FEWEST_LINES to either side: multiples of shafts leave enough lines for a floor
 _SEEN = 1.0  # lines from the middle of an order, where it is 6 dB lower: near enough to a line that is not omitted
 _LONGER = 1.02  # ratio of the windows that are tried
@@ -37,14 +38,20 @@ def unresolved_passes(
     """
     found = {}
     shafts = [frequency * shaft.ratio for shaft in kinematics.shafts]  # Hz; orders and turns are then Hz and s
+    repeats = [frequency * order for order in kinematics.tooth_repeats().values()]
+    others = (rate / 2, [*shafts, *repeats], error)
+
+    def shown(line: float, length: float) -> bool:
+        return not crowded(repeats, length) and resolved(line, length, *others)
+
     for bearing in kinematics.bearings:
         turn = frequency * kinematics.shaft(bearing.shaft).ratio
         whole = max(math.floor(seconds * turn) - 1.0, 0.5) / turn  # turns from mark to mark that it surely has
         for part, order in bearing.strikes.items():
-            line, others = order * turn, (rate / 2, shafts, error)
-            if not resolved(line, whole, *others):
+            line = order * turn
+            if not shown(line, whole):
                 lengths = whole * _LONGER ** np.arange(_LONGEST)
-                failing = max(length for length in lengths.tolist() if not resolved(line, length, *others))
+                failing = max(length for length in lengths.tolist() if not shown(line, length))
                 reason = _reason(kinematics, line, failing, *others)
                 needed = (
                     f"{failing * _LONGER + 2.0 / turn:.2g} s are" if failing < lengths[-1] else "no longer window is"
@@ -56,16 +63,23 @@ def unresolved_passes(
 def _reason(
     kinematics: Kinematics, line: float, seconds: float, highest: float, shafts: list[float], error: float
 ) -> str:
-    obstacles = [obstacle(n * line, seconds, highest, shafts, error) for n in range(1, PASS_HARMONICS + 1)]
-    number, cause = next((n, one) for n, one in enumerate(obstacles, 1) if one is not None)
     its = f"its pass frequency ({line:.5g} Hz)"
+    obstacles = [obstacle(n * line, seconds, highest, shafts, error) for n in range(1, PASS_HARMONICS + 1)]
+    number, cause = next(((n, one) for n, one in enumerate(obstacles, 1) if one is not None), (1, len(shafts) - 1))
     if isinstance(cause, str):
         return {BEYOND: f"multiples of {its} exceed half of the sampling rate", SHORT: f"{its} has too few periods"}[
             cause
         ]
+    if cause >= len(kinematics.shafts):
+        return f"{its} is not separated from multiples of {shafts[cause]:.4g} Hz, at which the same teeth meet again"
     times = round(number * line / shafts[cause])
     multiple = f"{times} x {kinematics.shafts[cause].name} ({times * shafts[cause]:.5g} Hz)"
     return f"{'' if number == 1 else f'{number} x '}{its} is not separated from {multiple}"
+
+
+def crowded(repeats: Sequence[float], turns: float) -> bool:
+    """Whether multiples of the orders at which the same teeth meet again leave no lines between them."""
+    return any(COMB <= order * turns < FEWEST_LINES for order in repeats)
 
 
 def resolved(order: float, turns: float, highest: float, shafts: Sequence[float], error: float = 0.0) -> bool:

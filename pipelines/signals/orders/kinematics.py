@@ -5,6 +5,7 @@ Orders are cycles per revolution of a shaft and do not depend on the speed.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
@@ -99,6 +100,14 @@ class Kinematics:
     def mesh_orders(self) -> dict[int, float]:
         """Mesh order of every pair, relative to the first shaft, by the number of the pair."""
         return {gear.stage: gear.teeth * self.shaft(gear.shaft).ratio for gear in self.gears}
+
+    def tooth_repeats(self) -> dict[int, float]:
+        """Order at which the same two teeth of a pair meet again, relative to the first shaft, by the pair's number.
+
+        Only of pairs whose numbers of teeth have a common divisor: with others it is too low to show as single lines.
+        """
+        teeth = {stage: [gear.teeth for gear in self.gears if gear.stage == stage] for stage in self.mesh_orders()}
+        return {n: order / math.lcm(*teeth[n]) for n, order in self.mesh_orders().items() if math.gcd(*teeth[n]) > 1}
 
 
 def needed_seconds(shafts: Sequence[Shaft], frequency: float, turns: int) -> dict[str, float]:

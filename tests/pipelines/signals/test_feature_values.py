@@ -17,7 +17,7 @@ from pipelines.signals.features.passing import PASSING, SIDEBANDS, pass_levels
 from pipelines.signals.features.statistics import kurtosis
 from pipelines.signals.features.synchronous_averages import Average, average_power
 from pipelines.signals.features.unresolved_passes import unresolved_passes
-from pipelines.signals.orders.kinematics import Bearing, Kinematics, Shaft
+from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 from pipelines.signals.orders.whitening import banded
 
 PLACES, TURNS = 1024, 30
@@ -163,6 +163,28 @@ def test_a_pass_order_at_a_multiple_of_a_shaft_is_omitted_up_to_the_window_that_
         assert (unresolved_passes(machine, speed, seconds, rate) == {}) == there
         envelope = random.random((1, round(seconds * speed), 400))
         assert (("BPFO", PASSING) in pass_levels(envelope, orders, (1.0, 1.785))) == there
+
+
+def test_multiples_of_the_order_at_which_the_same_teeth_meet_again_are_no_impacts_of_a_bearing():
+    """21 and 49 teeth meet again after seven turns of the pinion: a healthy pair has lines at 1/7 of its order."""
+    shafts = (Shaft(name="shaft_1", ratio=1.0), Shaft(name="shaft_2", ratio=21 / 49))
+    gears = (Gear(name="p", shaft="shaft_1", stage=1, teeth=21), Gear(name="w", shaft="shaft_2", stage=1, teeth=49))
+    bearing = Bearing(name="E", shaft="shaft_1", orders={"BPFO": 3.569, "BSF": 2.31})
+    machine = Kinematics(shafts=shafts, gears=gears, bearings=(bearing,))
+    repeat = machine.tooth_repeats()[1]
+    assert repeat == pytest.approx(1 / 7)
+    random = np.random.default_rng(8)
+    for turns, there in ((42, False), (400, True)):
+        comb = np.cos(2.0 * np.pi * np.arange(turns * 256)[:, None] / 256 * repeat * np.arange(1, 110)).sum(axis=1)
+        envelope = (comb + random.standard_normal(len(comb))).reshape(1, turns, 256)
+        alone = pass_levels(envelope, bearing.strikes, (1.0, 21 / 49))
+        assert alone["E BPFO", PASSING][0] > 10.0  # 20 dB
+        found = pass_levels(envelope, bearing.strikes, (1.0, 21 / 49), repeats=[repeat])
+        assert (("E 2 BSF", PASSING) in found) == there
+        assert all(level[0] < 10.0 for level in found.values())
+    reasons = unresolved_passes(machine, 24.0, 42 / 24.0, 12_000.0)
+    assert all("at which the same teeth meet again" in reason for reason in reasons.values())
+    assert len(reasons) == 2
 
 
 def test_a_pass_order_above_the_spectrum_is_named_with_this_reason():
