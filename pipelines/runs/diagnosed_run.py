@@ -52,7 +52,8 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
     if not (folder / run_folder.CONTROL).is_file():
         raise InputError(
             f"{folder}: there is no healthy control to compare the lines with. "
-            'Set control = "without-faults" and a fault in the scene, and repeat gearcase run.'
+            'Set control = "without-faults" and a fault in the scene, and repeat gearcase run; or diagnose it without '
+            "a control: give a window, as in --window 0.5 2.5, or healthy runs as --baseline."
         )
     with _pair(folder, train.monitored.noise) as runs:
         return diagnoses([CaseSpec(settings=diagnosis, full=True)], runs)[0]

@@ -160,7 +160,7 @@ def _pad_problems(housing: Dimensions) -> Iterator[_Check]:
         feet.pad_diameter > room,
         (
             f"bolt pads of {_mm(feet.pad_diameter)} do not fit on the foot (limit {_mm(room)}). Reduce "
-            "pad_diameter_mm, or raise foot_length_mm or foot_overhang_mm"
+            f"pad_diameter_mm, or raise {'foot_overhang_mm' if room < feet.length else 'foot_length_mm'} to this value"
         ),
     )
     if not feet.bolt_diameter:
@@ -217,7 +217,7 @@ def _rib_problems(housing: Dimensions) -> Iterator[_Check]:
     if (ribs := housing.ribs) is None:
         return
     if not ribs.per_boss + ribs.end_wall + ribs.cover:
-        yield True, "there are no ribs in the table ribs. Set per_boss, end_wall or cover"
+        yield True, "there are no ribs in the table ribs. Set per_boss, end_wall or cover, or delete the table"
         return
     ligament, boxes = _ligament(housing), housing.rib_boxes()
     for bore in housing.bores if ribs.per_boss else ():
